@@ -367,7 +367,7 @@ class StiffenedHertz(Law):
     def of(cls, joint: Any) -> StiffenedHertz:  # noqa: D102
         for unsuited, what in (
             (joint.liner, "a socket with layers"),
-            (not joint.ball_support.by_plane, f"ball_support {joint.ball_support}"),
+            (not joint.ball_support.is_half, f"ball_support {joint.ball_support}"),
             (str(joint.opening) != "90", f"an opening of {joint.opening} deg"),
             (not joint.is_held_all_round, f"socket_support {joint.socket_support}"),
         ):

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from study import paths
 from study.dataset import store
 from study.joint import Joint, LargestStress, Solution, Solver
-from study.joint.stress import StressOverDepth, over_depth
+from study.joint.yielding import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,7 @@ def curve(
 
 
 def stress_over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
-    """Maximum von Mises stress in each body over the depth: `study.joint.stress.over_depth`."""
+    """Maximum von Mises stress in each body over the depth: `study.joint.yielding.over_depth`."""
     rows, names = _rows("stress", joint, {"deepest": deepest}), StressOverDepth._fields
     return {
         body: StressOverDepth(*(of[name].to_numpy() for name in names))

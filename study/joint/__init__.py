@@ -12,14 +12,15 @@ of the surfaces, and `complementarity` determines which of them touch. The edge 
 between two nodes; the force therefore converges with order 2 by either solver. `axial` presses the
 ball along the axis, where contacts are `nested` in each other, and `tilted` in other directions.
 
-`supports` has the supports of ball and socket, `stress` the stresses inside the bodies and first
-yield, and `limits` the model limits that a contact exceeds.
+`supports` has the supports of ball and socket, `stress` the stresses inside the bodies, `yielding`
+first yield, and `limits` the model limits that a contact exceeds.
 """
 
 from study.contact import Material, material
 from study.joint.axial import Solver
-from study.joint.joint import Joint, Layer, Liner, reference_joint
+from study.joint.description import Layer, Liner
+from study.joint.joint import Joint, reference_joint
 from study.joint.kinematics import UnresolvedError
-from study.joint.solution import Solution
-from study.joint.stress import FirstYield, LargestStress, first_yield
+from study.joint.solution import LargestStress, Solution
 from study.joint.supports import Kinematics, Rim
+from study.joint.yielding import FirstYield, first_yield

@@ -21,7 +21,6 @@ from study.joint.supports import (
     GuidedPlate,
     Opening,
     Rim,
-    Sector,
     SocketSupport,
     WholeOutside,
 )
@@ -52,7 +51,7 @@ class Ball:
     @property
     def by_series(self) -> bool:
         """Whether the Legendre series solves it exactly."""
-        return isinstance(self.support, GuidedPlate) and self.opening == HEMISPHERE
+        return self.support.is_half and self.support.is_symmetric and self.opening == HEMISPHERE
 
     @property
     def held(self) -> dict[str, str]:
@@ -102,8 +101,7 @@ class Socket:
         outer = float(self.layers[0, -1])
         rims = [self.opening.last, *([self.opening.first] if self.opening.is_ring else [])]
         places = [(radius, rim) for rim in rims for radius in (1.0, outer)]
-        if isinstance(self.support, Sector):
-            places += [(outer, angle) for angle in (self.support.first, self.support.last)]
+        places += [(outer, angle) for angle in self.support.ends]
         radius, angle = np.transpose(places)
         directions = np.column_stack([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
         return radius[:, None] * directions

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,9 +15,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.joint.compliance import Compliance, HatFunctions, surface_angles
-
-if TYPE_CHECKING:
-    from study.joint.joint import Joint
+from study.joint.description import JointDescription
 
 Problem = Callable[[float], tuple[NDArray[np.float64], NDArray[np.float64]]]
 """Depth_star -> matrix (n, n), and gap (3, n): its factors of 1, depth_star and depth_star^2.
@@ -41,7 +38,7 @@ def unresolved(depth: float, angles: Floats) -> UnresolvedError:
     )
 
 
-def at_rim(name: str, joint: Joint, got: str) -> checks.RangeError:
+def at_rim(name: str, joint: JointDescription, got: str) -> checks.RangeError:
     """Error of depths or forces at which contact reaches the socket's rim."""
     return checks.RangeError(
         f"{name} must be small enough that the contact does not reach the rim of the socket (at a "
@@ -49,7 +46,7 @@ def at_rim(name: str, joint: Joint, got: str) -> checks.RangeError:
     )
 
 
-def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
+def small(joint: JointDescription, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with pairs at equal angles, and the axial force of unit nodal pressures.
 
     The gap is the rigid spheres' exact overlap.
@@ -74,7 +71,7 @@ def small(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, 
     return problem, axial
 
 
-def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
+def linear(joint: JointDescription, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
     """Contact problem with each point of the ball facing the point it has moved to, as `small`."""
     of_ball, of_socket = joint.modulus_shares
     of_pressure = of_ball * joint.radius_ratio * ball.flexibility
@@ -90,7 +87,9 @@ def linear(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem,
     return problem, joint.radius_ratio**2 * HatFunctions(ball.angles).integrate(np.cos)
 
 
-def problem_of(joint: Joint, ball: Compliance, socket: Compliance) -> tuple[Problem, Floats]:
+def problem_of(
+    joint: JointDescription, ball: Compliance, socket: Compliance
+) -> tuple[Problem, Floats]:
     """Contact problem of a joint, `small` or `linear`."""
     return (linear if joint.acts_on_ball else small)(joint, ball, socket)
 
@@ -135,7 +134,9 @@ def _faced(ball_radius, eccentricity, angles):
     return np.arctan2(ball_radius * np.sin(angles), ball_radius * np.cos(angles) + eccentricity)
 
 
-def socket_pressure(joint: Joint, depths: Floats, angles: Floats, pressure: Floats) -> Floats:
+def socket_pressure(
+    joint: JointDescription, depths: Floats, angles: Floats, pressure: Floats
+) -> Floats:
     """Pressure on the socket (k, n) from that on the ball; facing areas carry equal forces."""
     if not joint.acts_on_ball:
         return pressure

@@ -4,17 +4,8 @@ The solution is valid for smooth, elastic bodies without friction, at small stra
 supports of the joint. It gives numbers beyond these limits too, and the sentences warn the user.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import radians
-from typing import TYPE_CHECKING
-
-from study.joint.stress import first_yield
-
-if TYPE_CHECKING:
-    from study.joint.joint import Joint
-    from study.joint.solution import Solution
 
 DEEPEST = 1.0
 """Maximum depth_star at which the solution was compared with other programs."""
@@ -36,21 +27,32 @@ INSIDE = "inside"
 
 
 def limits(
-    joint: Joint,
     depth_star: float,
-    half_angle_deg: float,
     *,
     to_rim: float | None = None,
+    wall: float | None = None,
+    half_angle_deg: float = 0.0,
     yield_factor: Mapping[str, float] | None = None,
     depth: float | None = None,
     strain: float | None = None,
 ) -> Limits:
     """Model limits that one contact exceeds: a key for each, and a sentence.
 
-    The contact ends ``to_rim`` deg from the nearest rim, by default that of a contact about the
-    axis; 0 if a rim, or the edge of a ball's face, cuts it. The ``yield_factor`` is the yield
-    stress divided by the maximum von Mises stress, for each body that has both; ``depth`` is the
-    penetration depth in m, and ``strain`` the peak pressure divided by the minimum Young's modulus.
+    What is not given is not checked.
+
+    Parameters
+    ----------
+    depth_star
+        Penetration depth divided by the clearance.
+    to_rim
+        Angle from the end of the contact to the nearest rim or face in deg; 0 if it is cut.
+    wall, half_angle_deg
+        Wall thickness divided by the socket radius of a socket that is held at its whole outside,
+        and half-angle of the contact in deg.
+    yield_factor
+        Yield stress divided by the maximum von Mises stress, for each body that has both.
+    depth, strain
+        Penetration depth in m, and peak pressure divided by the minimum Young's modulus.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
@@ -69,20 +71,17 @@ def limits(
             f"The peak pressure is {strain:.2g} times Young's modulus of the softest body. Beyond "
             f"{STRAIN:g} strains are not small, which the solution assumes."
         )
-    if to_rim is None:
-        to_rim = joint.opening.last - half_angle_deg
-    if to_rim <= 0:
+    if to_rim is not None and to_rim <= 0:
         found["rim"] = (
             "A rim of the socket or the edge of the ball's face cuts the contact. The pressure at "
             "a sharp edge is unbounded, and in reality depends on the shape of the edge."
         )
-    elif to_rim < NEAR_RIM:
+    elif to_rim is not None and to_rim < NEAR_RIM:
         found["rim"] = (
             f"The contact ends {to_rim:.2g} deg from a rim of the socket or the edge of the ball's "
             "face, and depends on the shape of the edge there."
         )
-    wall = joint.socket_ratio - 1
-    if joint.is_held_all_round and wall < radians(half_angle_deg):
+    if wall is not None and wall < radians(half_angle_deg):
         found["wall"] = (
             f"The wall ({wall:.2g} times the socket radius) is thinner than the half-width of the "
             "contact. The force therefore depends on the support of the outside, which is assumed "
@@ -104,16 +103,13 @@ def modulus_limit(moduli: Mapping[str, float]) -> Limits:
     return {"modulus": text} if soft else {}
 
 
-def unit_warnings(joint: Joint) -> tuple[str, ...]:
-    """Sentences on dimensions and Young's moduli that may be meant in another unit."""
-    found = []
-    if joint.socket_radius >= LARGE:
-        found.append(
-            f"The radius of the socket is {joint.socket_radius:g} m; check that all dimensions are "
-            "in m, not in mm."
-        )
-    moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
-    return (*found, *modulus_limit(moduli).values())
+def unit_warnings(socket_radius: float, moduli: Mapping[str, float]) -> tuple[str, ...]:
+    """Sentences on a socket radius in m and Young's moduli that may be meant in another unit."""
+    found = modulus_limit(moduli)
+    if socket_radius >= LARGE:
+        text = f"The radius of the socket is {socket_radius:g} m"
+        found = {"size": f"{text}; check that all dimensions are in m, not in mm."} | found
+    return tuple(found.values())
 
 
 def law_limit(name: str, fitted_to: float | None, depth_star: float) -> Limits:
@@ -125,48 +121,6 @@ def law_limit(name: str, fitted_to: float | None, depth_star: float) -> Limits:
         f"maximum to which the law {name} was fitted."
     )
     return {"law": text}
-
-
-def yield_limit(joint: Joint, depth_star: float) -> Limits:
-    """The limit of yield, from the depth of first yield; none without a yield stress."""
-    if not any(of.yield_stress for of in joint.materials.values()):
-        return {}
-    first = first_yield(joint, min(depth_star, 1.0))
-    if first is None:
-        return {}
-    text = (
-        f"The {first.body} yields at depths above {first.depth_star:.2g} clearances, and "
-        f"{depth_star:.2g} are reached. The law is elastic and therefore too stiff there."
-    )
-    return {"yield": text}
-
-
-def of_solution(solution: Solution) -> tuple[Limits, ...]:
-    """Model limits that each contact of a solution exceeds.
-
-    Yield is checked if the solution has stresses; roughness, strain and the unit of Young's moduli
-    if the joint has dimensions.
-    """
-    joint, found = solution.joint, []
-    moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
-    factors = {body: of for body, of in solution.yield_factor.items() if of is not None}
-    strains = solution.peak_pressure / min(moduli.values())
-    for k, depth_star in enumerate(solution.depth_star):
-        of_sizes: dict = {}
-        if joint.has_dimensions:
-            of_sizes = {"depth": solution.depth[k], "strain": strains[k]}
-        found.append(
-            limits(
-                joint,
-                depth_star,
-                solution.contact_half_angle_deg[k],
-                to_rim=solution.to_rim_deg[k],
-                yield_factor={body: of[k] for body, of in factors.items()},
-                **of_sizes,
-            )
-            | (modulus_limit(moduli) if joint.has_dimensions else {})
-        )
-    return tuple(found)
 
 
 def in_short(found: Limits) -> str:

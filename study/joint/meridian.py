@@ -15,7 +15,6 @@ from skfem import MeshTri, MeshTri2
 from skfem.models.elasticity import lame_parameters
 
 from study.joint.compliance import Ball, Socket, graded
-from study.joint.supports import Bore, Core, Neck, Sector
 
 Nodes = Literal[6, 3]
 """Nodes of a triangle: with six it follows the rings, with three it has straight edges."""
@@ -46,23 +45,22 @@ def ball_mesh(
     elements' size grows by the factor e, and altogether a ``multiple``, so that meshes of half and
     of twice the resolution have half and twice as many.
     """
-    support = ball.support
+    support, (first, last) = ball.support, np.radians(ball.support.meridian)
     boundaries = {"surface": (1, 1, angles[0], angles[-1])} | support.boundaries
-    if isinstance(support, Bore):
-        thickness = 1 - support.radius
-        shell = 1.0 - _depths(thickness, 1.0, rings, multiple) / thickness / 2
-        mesh = _ring_mesh(shell, angles, nodes, boundaries)
-        return replace(mesh, doflocs=support.through_bore(mesh.doflocs))
-    if isinstance(support, Core):
-        radii = 1.0 - _depths_to_core(support.radius, rings, multiple)
+    if support.bore > 0:
+        thickness = 1 - support.bore
+        radii = 1.0 - _depths(thickness, 1.0, rings, multiple) / thickness * (1 - support.inside)
+    elif support.inside > 0:
+        radii = 1.0 - _depths_to_core(support.inside, rings, multiple)
     else:
         radii = 1.0 - _depths(1.0, 1.0, rings, multiple)[:-1]
     everywhere = angles
-    if isinstance(support, Neck):  # stresses have no bound at its edge: elements do not grow
+    if support.edge is not None:  # stresses have no bound there: elements do not grow up to it
         everywhere = _onward(angles, support.edge, growth=1e-6)
-    everywhere = _onward(everywhere, np.pi / 2 if support.is_half else np.pi)
-    everywhere = -_onward(-everywhere[::-1], 0.0)[::-1]
-    return _ring_mesh(radii, everywhere, nodes, boundaries, centre=not isinstance(support, Core))
+    everywhere = _onward(everywhere, last)
+    everywhere = -_onward(-everywhere[::-1], -first)[::-1]
+    mesh = _ring_mesh(radii, everywhere, nodes, boundaries, centre=support.inside == 0)
+    return replace(mesh, doflocs=support.through(mesh.doflocs))
 
 
 def socket_mesh(
@@ -82,9 +80,8 @@ def socket_mesh(
         "rim": (1, radii[-1], last, last),
         "outside": (radii[-1], radii[-1], angles[0], last),
     }
-    seat = None
-    if isinstance(socket.support, Sector):
-        seat = np.radians([socket.support.first, socket.support.last])
+    seat = np.radians(socket.support.ends)
+    if len(seat):
         boundaries["seat"] = (radii[-1], radii[-1], *seat)
     return _ring_mesh(radii, _onward(angles, last), nodes, boundaries, seat=seat)
 
@@ -141,13 +138,14 @@ def lame_of(body: Ball | Socket, mesh: MeshTri) -> tuple:
     return first, second
 
 
-def _ring_mesh(radii, angles, nodes, boundaries, centre=False, seat=None):
+def _ring_mesh(radii, angles, nodes, boundaries, centre=False, seat=()):
     """Triangulate concentric rings, from the surface (radius 1) to the last radius.
 
     Boundaries are named by their least and largest radius, and least and largest polar angle. A
     seat's ends become vertices of the last ring.
     """
-    fewest = _FEWEST if centre or (seat is None and "core" not in boundaries) else _FEWEST_HELD
+    is_held = not centre and (len(seat) > 0 or "core" in boundaries)
+    fewest = _FEWEST_HELD if is_held else _FEWEST
     points, triangles, first = [_ring(1.0, angles)], [], 0
     for radius, step in zip(radii[1:], np.abs(np.diff(radii)), strict=True):
         outer = first + np.arange(len(angles))
@@ -173,7 +171,7 @@ def _ring_mesh(radii, angles, nodes, boundaries, centre=False, seat=None):
         triangles.append((last[:-1], last[1:], np.full(len(last) - 1, last[-1] + 1)))
     triangles = np.hstack([np.vstack(corners) for corners in triangles])
     points = np.hstack(points)
-    if seat is not None:
+    if len(seat):
         points = _moved_to(points, seat, angles, radii[-1])
     linear = MeshTri(np.ascontiguousarray(points), np.ascontiguousarray(triangles))
     named = _boundaries(linear, boundaries, angles[-1])

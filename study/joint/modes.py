@@ -1,19 +1,21 @@
 """Finite elements of bodies of revolution: one problem in the meridian for each Fourier mode.
 
-A pressure p_m(theta) cos(m phi) displaces a body by u_r cos, u_phi sin and u_z cos of m phi, and
-asks for one problem in the meridian (Wilson, AIAA J. 3 (1965) 2269). Its strains have m at first
-power, so that three assemblies suffice for every mode. Unknowns are u_r, u_r + u_phi and u_z, each
-of which is zero or free on the axis. Mode 0 has no u_phi and is all that a load along the axis
-needs (`compliance`). Off the axis the flexibility changes smoothly with m: some modes are solved,
-and those between interpolated (`Surface`).
+A pressure p_m(theta) cos(m phi) displaces a body by u_r cos(m phi), u_phi sin(m phi) and
+u_z cos(m phi), so that each mode m is one problem in the meridian (Wilson, AIAA J. 3 (1965) 2269):
+for all displacements v, per radian of phi,
+
+    integral of eps_m(u) . D eps_m(v) r dr dz  =  - integral of p_m (n . v) r ds over the surface.
+
+D is Hooke's law, and the strains eps_m = eps_0 + m eps_1 are linear in m (`_strains`). The
+stiffness of every mode is therefore K_00 + m (K_01 + K_10) + m^2 K_11, with three assemblies.
+Unknowns are u_r, u_r + u_phi and u_z, each of which is zero or free on the axis. Mode 0 has no
+u_phi and is all that a load along the axis needs (`compliance`); `study.joint.surface` needs all.
 """
 
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 from skfem import (
@@ -32,8 +34,6 @@ from study.joint.compliance import RESOLUTION, Ball, Compliance, Socket, surface
 from study.threads import one_thread
 
 Floats = NDArray[np.float64]
-_FIRST, _SOLVED = 5, 10  # modes solved: the first ones, and more up to the last one
-_POLAR, _AROUND = 3, 2  # Gauss points of an element of pressure
 _ON_AXIS = {0: (0, 1), 1: (1, 2)}  # unknowns that are zero on the axis; of higher modes all are
 DEEPEST = 0.95
 """Depth below the surface, in radii, to which stresses are known off the axis."""
@@ -47,8 +47,8 @@ class Body:
     """A meshed elastic body of unit radius and unit Young's modulus, for every Fourier mode.
 
     Lame's parameters ``lame`` are numbers, or arrays of shape (elements, 1). ``held`` maps a
-    boundary of the mesh, or ``centre``, to the components (of ``rz``) of the displacement that are
-    zero there. Forces and energies are per radian of phi.
+    boundary of the mesh to the components (of ``rz``) of the displacement that are zero there.
+    Forces and energies are per radian of phi.
     """
 
     def __init__(self, mesh: MeshTri, lame: tuple, held: dict[str, str]):
@@ -156,28 +156,25 @@ class Body:
         axis = self._basis.get_dofs(self.mesh.boundaries.get("axis", np.zeros(0, int)))
         fixed = [unfelt, *(_unknowns(axis, c) for c in _ON_AXIS.get(m, (0, 1, 2)))]
         for name, components in self._held.items():
-            if name == "centre":
-                dofs = self._basis.get_dofs(nodes=np.flatnonzero(~self.mesh.p.any(axis=0)))
-            else:
-                dofs = self._basis.get_dofs(self.mesh.boundaries[name])
+            dofs = self._basis.get_dofs(self.mesh.boundaries[name])
             fixed += [_unknowns(dofs, c) for part in components for c in _COMPONENTS[part]]
         return np.setdiff1d(np.arange(self._basis.N), np.concatenate(fixed))
 
     @cached_property
     def _constant(self):
-        """Stiffness of mode 0, per radian."""
+        """K_00, the stiffness of mode 0, per radian."""
         constant, _ = _rates(self._basis)
         return self._assembled(constant, constant)
 
     @cached_property
     def _growing(self):
-        """Parts of the stiffness in proportion to m and to its square."""
+        """K_01 + K_10 and K_11, the parts of the stiffness that grow with m and with m^2."""
         constant, growing = _rates(self._basis)
         cross = self._assembled(constant, growing)
         return cross + cross.T, self._assembled(growing, growing)
 
     def _assembled(self, a, b):
-        """Elastic energies of strains, of each element's own functions at once."""
+        """Integrals of a . D b r dr dz, of two strains of each pair of functions."""
         basis = self._basis
         weight = basis.dx * basis.global_coordinates()[0]
         pairs = np.einsum("fceq,gceq->efg", weight * _hooke(a, self._lame), b, optimize=True)
@@ -191,7 +188,7 @@ class Body:
 def meshed(
     body: Ball | Socket, resolution: int = RESOLUTION["quadratic"], nodes: meridian.Nodes = 6
 ) -> Body:
-    """A ball or a socket for loads along the axis; a point load's force depends on the mesh."""
+    """A ball or a socket for loads along the axis."""
     angles = surface_angles(resolution, body.opening.reach)
     return made(body, angles, meridian.RADIAL_ELEMENTS * resolution, nodes=nodes)
 
@@ -238,173 +235,6 @@ def _unknowns(dofs, component):
     return dofs.all([f"u^{component + 1}"])
 
 
-class Grid:
-    """Nodes of pressure on half a sphere, 0 <= phi <= pi, on rings of equal polar steps.
-
-    A node's function is a hat of the polar angle, times a hat of phi with its mirror image. Towards
-    the pole, which is one node if the ``angles`` begin there, rings have fewer nodes. Nodes have
-    the attributes ``ring``, ``place`` (phi over the step of the finest ring), ``theta`` and
-    ``phi``, shape (nodes,); their functions are whole (``ends`` 1), or halved by the plane of
-    symmetry (1/2).
-    """
-
-    def __init__(self, angles: Floats, around: int):
-        self.angles, self.around, self.step = angles, around, angles[1] - angles[0]
-        self.pole = 0 if angles[0] == 0 else -1  # number of the ring that is one node
-        rings = angles[self.pole + 1 :]
-        arc = np.sin(rings) * 2 * np.pi / around / self.step  # over the polar step
-        halvings = np.floor(np.log2(np.maximum(1.4 / arc, 1)))
-        self.stride = np.gcd(around // 2, 2 ** halvings.astype(int))
-        counts = around // 2 // self.stride + 1
-        if self.pole == 0:
-            self.stride, counts = np.append(around, self.stride), np.append(1, counts)
-        self.first = np.cumsum(np.append(0, counts))
-        self.ring = np.repeat(np.arange(len(angles)), counts)
-        self.size = len(self.ring)
-        self.place = (np.arange(self.size) - self.first[self.ring]) * self.stride[self.ring]
-        self.theta, self.phi = angles[self.ring], 2 * np.pi / around * self.place
-        self.ends = np.where(self.place % (around // 2) == 0, 0.5, 1.0)
-
-    @cached_property
-    def points(self) -> tuple[Floats, Floats, Floats]:
-        """Gauss points: polar angles, angles phi and areas, each of shape (points,)."""
-        (x, weight), (y, share) = map(np.polynomial.legendre.leggauss, (_POLAR, _AROUND))
-        width, step = self.step, 2 * np.pi / self.around
-        theta = (self.angles[:-1, None] + width * (1 + x) / 2).ravel()
-        phi = (step * (np.arange(self.around // 2)[:, None] + (1 + y) / 2)).ravel()
-        polar = np.tile(weight * width / 2, len(self.angles) - 1) * np.sin(theta)
-        area = np.outer(polar, np.tile(share * step / 2, self.around // 2)).ravel()
-        return np.repeat(theta, len(phi)), np.tile(phi, len(theta)), area
-
-    def points_between(self, low: Floats, high: Floats) -> tuple[Floats, Floats, Floats]:
-        """Gauss points as `points`, of those parts of elements between two polar angles.
-
-        The angles ``low`` and ``high`` belong to the angles phi of `points`, each once. An element
-        outside them keeps its points, whose areas are 0.
-        """
-        whole, phi, area = (of.reshape(-1, _POLAR, self.around) for of in self.points)
-        ends = np.clip(self.angles[:, None, None], low, high)
-        start, share = ends[:-1], np.diff(ends, axis=0) / self.step
-        theta = start + share * (whole - self.angles[:-1, None, None])
-        area = area * share * np.sin(theta) / np.sin(whole)
-        return theta.ravel(), phi.ravel(), area.ravel()
-
-    def values(self, theta: Floats, phi: Floats) -> csr_array:
-        """Value of every node's function at points, sparse; 0 beyond the first and last angle."""
-        steps = (theta - self.angles[0]) / self.step
-        ring = np.clip(steps.astype(int), 0, len(self.angles) - 2)
-        upper = steps - ring
-        inside = self.faces(theta)
-        columns, values = [], []
-        for at, share in ((ring, 1 - upper), (ring + 1, upper)):
-            places = phi * self.around / (2 * np.pi) / self.stride[at]
-            one = at == self.pole
-            last = np.where(one, 0, self.around // 2 // self.stride[at] - 1)
-            left = np.minimum(places.astype(int), last)
-            right = np.where(one, 0.0, places - left)
-            for column, part in ((left, 1 - right), (left + ~one, right)):
-                columns.append(self.first[at] + column)
-                values.append(share * part * inside)
-        rows, shape = np.tile(np.arange(len(theta)), 4), (len(theta), self.size)
-        return csr_array((np.concatenate(values), (rows, np.concatenate(columns))), shape=shape)
-
-    def faces(self, theta: Floats) -> NDArray[np.bool_]:
-        """Whether polar angles are between the first and the last ring."""
-        first, last = self.angles[[0, -1]]
-        return (theta >= first - 1e-12) & (theta <= last * (1 + 1e-12))
-
-
-class Surface:
-    """The surface of a `Body` under pressures on the nodes of a `Grid`.
-
-    The body's mesh has the grid's polar angles. ``areas`` are the integrals of the nodes'
-    functions, shape (nodes,). Stresses are known at ``places``, radii r and heights z of shape (2,
-    places), once they are asked for (`Body.places_of_stress`).
-    """
-
-    def __init__(self, body: Body, grid: Grid):
-        self.body, self.grid, last = body, grid, grid.around
-        theta, phi, area = grid.points
-        self.areas = area @ grid.values(theta, phi)
-        more = np.expm1(np.linspace(0, np.log1p(last), _SOLVED))
-        self._modes = np.union1d(np.arange(_FIRST), np.round(more).astype(int))
-        self._kernel: Any = None
-        self._stresses: Any = None
-
-    def solve(self, stresses: bool) -> None:
-        """Solve the modes, and their stresses if they are asked for, unless this is done."""
-        if self._kernel is not None and not (stresses and self._stresses is None):
-            return
-        grid, last, body = self.grid, self.grid.around, self.body
-        solved = np.empty((len(self._modes), *(len(body.angles),) * 2))
-        if stresses:
-            bases, elements = body.places_of_stress()
-            self.places = np.hstack([of.global_coordinates()[:, :, 0] for of in bases])
-            unknowns = np.hstack([of.element_dofs for of in bases]).T  # (places, functions)
-            count = len(bases[0].element_dofs.T)
-            rows = zip(
-                body.stress_rows(bases[0], elements[:count]),
-                body.stress_rows(bases[1], elements[count:]),
-                strict=True,
-            )
-            constant, growing = (np.concatenate(of, axis=2)[..., 0].T for of in rows)
-            shape = len(self._modes), 6, len(elements), len(body.angles)
-            self._stresses = np.empty(shape, np.float32)
-        for k, m in enumerate(self._modes):
-            # w_j cos(m phi) is the inward displacement under the hat h_j cos(m phi) of pressure;
-            # integrals of h_i w_j over the surface are per radian of phi
-            displacement = body.displacements(m)
-            flexible = body.loads.T @ displacement
-            solved[k] = (flexible + flexible.T) / 2
-            if stresses:  # factors of cos(m phi), or of sin(m phi) the last two
-                of_place = displacement[unknowns]  # (places, functions, hats)
-                self._stresses[k] = ((constant + m * growing) @ of_place).swapaxes(0, 1)
-        # it falls about like 1/m, so that its product with m + 1 changes slowly
-        every = np.arange(last + 1)
-        between = CubicSpline(np.log1p(self._modes), solved * (self._modes + 1)[:, None, None])
-        flexible = between(np.log1p(every)) / (every + 1)[:, None, None]
-        width = 2 * np.pi / grid.around * grid.stride
-        hats = width * np.sinc(every[:, None] * width / (2 * np.pi)) ** 2  # their transforms
-        if grid.pole == 0:
-            hats[:, 0] = np.where(every == 0, 2 * np.pi, 0)
-        share = np.where(every == 0, 1, 2) / (2 * np.pi)
-        self._to_modes = share[:, None] * hats
-        flexible *= self._to_modes[:, :, None] * hats[:, None, :]
-        apart = np.arange(grid.around // 2 + 1)
-        cosine = np.cos(2 * np.pi / grid.around * (np.outer(apart, every) % grid.around))
-        rings = len(grid.angles)
-        self._kernel = (cosine @ flexible.reshape(last + 1, -1)).reshape(-1, rings, rings)
-
-    def matrix(self, nodes: NDArray[np.intp]) -> Floats:
-        """Flexibility between some nodes: integrals over half the sphere, dense."""
-        grid = self.grid
-        ring, place, ends = grid.ring[nodes], grid.place[nodes], grid.ends[nodes]
-        apart, together = np.abs(place[:, None] - place), place[:, None] + place
-        mirrored = np.minimum(together, grid.around - together)
-        of_rings = ring[:, None], ring
-        both = self._kernel[apart, *of_rings] + self._kernel[mirrored, *of_rings]
-        return both * np.outer(ends, ends)
-
-    def stresses(self, pressure: Floats, phi: Floats, at: NDArray[np.intp]) -> Floats:
-        """Stresses rr, phi phi, zz, rz, r phi and z phi at some of the `places` and angles phi.
-
-        The ``pressure`` is that of the nodes, shape (nodes,); the result has the shape (6, places,
-        angles). Those of the modes that are not solved are interpolated.
-        """
-        grid, every = self.grid, np.arange(self.grid.around + 1)[:, None]
-        waves = np.cos(every * grid.phi) * (2 * grid.ends * pressure)
-        amplitudes = self._to_modes * np.add.reduceat(waves, grid.first[:-1], axis=1)
-        weights = CubicSpline(np.log1p(self._modes), np.eye(len(self._modes)))(
-            np.log1p(every[:, 0])
-        )
-        result = np.zeros((6, len(at), len(phi)))
-        for weight, of_mode in zip(weights.T, self._stresses, strict=True):
-            scaled = weight[:, None] * amplitudes
-            result[:4] += of_mode[:4, at] @ (scaled.T @ np.cos(every * phi))
-            result[4:] += of_mode[4:, at] @ (scaled.T @ np.sin(every * phi))
-        return result
-
-
 def _hooke(strain, lame):
     """Stress of a strain (functions, 6, elements, points), whose last three are shear angles."""
     first, second = lame
@@ -414,14 +244,18 @@ def _hooke(strain, lame):
 
 
 def _rates(basis):
-    """Strains of each function in mode 0, and what m adds: (functions, 6, elements, points)."""
+    """eps_0 and eps_1 of each function: (functions, 6, elements, points)."""
     r = basis.global_coordinates()[0]
     of_0, of_1 = (np.stack([_strains(*f, r, m) for f in basis.basis]) for m in (0, 1))
     return of_0, of_1 - of_0
 
 
 def _strains(u, r, m):
-    """Strains rr, phi phi, zz, rz, r phi and z phi of mode m; shape (6, elements, points)."""
+    """Strains rr, phi phi, zz and angles rz, r phi, z phi of mode m; shape (6, elements, points).
+
+    They are u_r,r; (u_r + m u_phi)/r; u_z,z; u_r,z + u_z,r; u_phi,r - (m u_r + u_phi)/r; and
+    u_phi,z - m u_z/r, but for the factor of cos(m phi), or of sin(m phi) in the last two.
+    """
     radial, both, axial = u  # u_r, u_r + u_phi, u_z
     d_radial, d_both, d_axial = u.grad
     around = both - radial  # u_phi

@@ -8,18 +8,15 @@ columns of parameter studies.
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from study import parameters
 from study.joint import limits
+from study.joint.description import JointDescription
 from study.parameters import Quantity, derived, stored
-
-if TYPE_CHECKING:
-    from study.joint.joint import Joint
-    from study.joint.stress import LargestStress
 
 Floats = NDArray[np.float64]
 _NOT_STORED: Any = None  # of what is asked for, or that a solution read from a table lacks
@@ -27,6 +24,37 @@ FORMULATION = 1.5
 """Error of small displacements, relative to the force and to the strain of the bodies, which is the
 penetration in each body over its thickness. CalculiX with large displacements gives 0.5 to 2 for 82
 contacts (``data/published/large_displacements.csv``, notebook 12)."""
+
+
+@dataclass(frozen=True)
+class LargestStress:
+    """Maximum von Mises stress in one body, at each of the k depths of a curve.
+
+    Attributes
+    ----------
+    von_mises
+        The stress in units of E* dR/R2; shape (k,).
+    over_peak
+        The stress divided by the peak pressure, 0 without contact; shape (k,).
+    radius
+        Distance of the maximum from the centre of the body, divided by the radius of the surface;
+        shape (k,).
+    angle
+        Polar angle of the maximum from the axis of the contact, in rad; shape (k,).
+    place
+        ``at the surface`` of contact; ``outside``, at the socket's outer sphere; ``at an
+        interface`` of layers; ``at the core`` or ``at the bore`` that holds the ball; or else
+        ``below the surface``; k of them.
+    error
+        Estimated relative error of the stress, shape (k,); None if it is not estimated.
+    """
+
+    von_mises: Floats
+    over_peak: Floats
+    radius: Floats
+    angle: Floats
+    place: tuple[str, ...]
+    error: Floats | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +99,7 @@ class Solution:
         Maximum von Mises stress in each body, by its name in ``joint.materials``, if asked for.
     """
 
-    joint: Joint = field(repr=False)
+    joint: JointDescription = field(repr=False)
     solver: str
     resolution: int | None = None
     depth_star: Floats = stored("Penetration depth divided by the clearance")
@@ -211,8 +239,31 @@ class Solution:
 
     @property
     def limits(self) -> tuple[limits.Limits, ...]:
-        """Model limits that each contact exceeds, as sentences (`study.joint.limits`)."""
-        return limits.of_solution(self)
+        """Model limits that each contact exceeds, as sentences (`study.joint.limits`).
+
+        Yield is checked if the solution has stresses; roughness, strain and the unit of Young's
+        moduli if the joint has dimensions.
+        """
+        joint, found = self.joint, []
+        moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
+        factors = {body: of for body, of in self.yield_factor.items() if of is not None}
+        wall = joint.socket_ratio - 1 if joint.is_held_all_round else None
+        for k, depth_star in enumerate(self.depth_star):
+            of_sizes: dict[str, Any] = {}
+            if joint.has_dimensions:
+                strain = self.peak_pressure[k] / min(moduli.values())
+                of_sizes = {"depth": self.depth[k], "strain": strain}
+            of_contact = limits.limits(
+                depth_star,
+                to_rim=self.to_rim_deg[k],
+                wall=wall,
+                half_angle_deg=self.contact_half_angle_deg[k],
+                yield_factor={body: of[k] for body, of in factors.items()},
+                **of_sizes,
+            )
+            of_moduli = limits.modulus_limit(moduli) if joint.has_dimensions else {}
+            found.append(of_contact | of_moduli)
+        return tuple(found)
 
 
 def quantities(dimensions: bool) -> dict[str, Quantity]:

@@ -1,35 +1,29 @@
-"""Stresses inside ball and socket, and first yield by the von Mises criterion.
+"""Stresses inside ball and socket.
 
 The Legendre series gives stresses at any point, and finite elements give them at the nodes of the
-mesh. All are those of linear elasticity under the pressure of a solved contact. Beyond first yield,
-stresses and errors of laws are for elastic bodies. Stresses are in units of E* dR/R2; tension is
-positive.
+mesh. All are those of linear elasticity under the pressure of a solved contact. Stresses are in
+units of E* dR/R2; tension is positive.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
-from study.contact import hertz_factor, largest_depth
 from study.joint import series
 from study.joint.compliance import graded
 from study.joint.kinematics import socket_pressure
-from study.joint.supports import HEIGHT, Bore, CentrePoint, Core, WholeOutside
+from study.joint.solution import LargestStress, Solution
+from study.joint.supports import HEIGHT, ON
+from study.joint.tilted import Solved
 from study.threads import one_thread
-
-if TYPE_CHECKING:
-    from study.joint.joint import Joint
-    from study.joint.solution import Solution
-    from study.joint.tilted import Contacts, GridContact
 
 Floats = NDArray[np.float64]
 
@@ -37,72 +31,8 @@ _THICKNESS = 3.0  # of a socket, in radii, beyond which no largest stress is sou
 _DEPTH_SCALE, _ANGLE_SCALE = 0.003, 0.01  # in radii and rad: the points' spacing grows from there
 _RADII, _ANGLES = 48, 32  # points
 _NEAR = 0.02  # of the contact's radius: depth that still counts as the surface
-_LEAST_ROOT = 0.06  # of a depth at which elements resolve the stresses
-_DEEP = 0.05  # a joint is solved to this depth even where less is asked for
 _AROUND = np.radians(np.arange(0, 181, 5))  # angles phi that are searched off the axis
-_ON = 1e-3  # distance from a surface, in radii, of places that are on it off the axis
 _FELT = 30.0  # a mode that has decayed by exp(-30) is not felt
-
-
-@dataclass(frozen=True)
-class LargestStress:
-    """Maximum von Mises stress in one body, at each of the k depths of a curve.
-
-    Attributes
-    ----------
-    von_mises
-        The stress in units of E* dR/R2; shape (k,).
-    over_peak
-        The stress divided by the peak pressure, 0 without contact; shape (k,).
-    radius
-        Distance of the maximum from the centre of the body, divided by the radius of the surface;
-        shape (k,).
-    angle
-        Polar angle of the maximum from the axis of the contact, in rad; shape (k,).
-    place
-        ``at the surface`` of contact; ``outside``, at the socket's outer sphere; ``at an
-        interface`` of layers; ``at the core`` or ``at the bore`` that holds the ball; or else
-        ``below the surface``; k of them.
-    error
-        Estimated relative error of the stress, shape (k,); None if it is not estimated.
-    """
-
-    von_mises: Floats
-    over_peak: Floats
-    radius: Floats
-    angle: Floats
-    place: tuple[str, ...]
-    error: Floats | None = None
-
-
-@dataclass(frozen=True)
-class FirstYield:
-    """First yield of a joint as its load increases.
-
-    Attributes
-    ----------
-    body, place
-        Body that yields first, and where, as in `largest`.
-    depth_star, force_star
-        Normalised penetration depth d/dR and force P/(E* dR^2) at first yield.
-    """
-
-    body: str
-    place: str
-    depth_star: float
-    force_star: float
-
-
-class StressOverDepth(NamedTuple):
-    """Largest von Mises stress in one body over the depth: arrays of shape (k,).
-
-    Depth over dR, force over E* dR^2, the stress in E* dR/R2, and the place of `LargestStress`.
-    """
-
-    depth_star: Floats
-    force_star: Floats
-    von_mises: Floats
-    place: NDArray[np.str_]
 
 
 @one_thread
@@ -143,16 +73,15 @@ def stresses(curve: Solution, body: str, radius: ArrayLike, angle: ArrayLike) ->
 
 
 @one_thread
-def largest(curve: Solution) -> dict[str, LargestStress]:
-    """Largest von Mises stress in each body, by its name in ``joint.materials``.
+def added(curve: Solution) -> Solution:
+    """A solution along the axis with the largest von Mises stress in each body.
 
     Elements are searched from 0.1 radii above the equator of half a ball on, as far inside the rim,
     and as far from the ends of supports, where stresses have no bound; the ball on a neck is
-    searched on the contact's side of half the neck's height. A ball that is moved at its centre
-    is left out, because the stress at a point load has no bound.
+    searched on the contact's side of half the neck's height.
     """
     sought = _of_series(curve) if curve.solver == "series" else _of_elements(curve)
-    by_body, peak = {}, curve.peak_pressure_star
+    by_body, peak, support = {}, curve.peak_pressure_star, curve.joint.ball_support
     edge = np.sin(np.radians(curve.contact_half_angle_deg))
     *interfaces, outer = curve.joint.socket_body.layers[0]
     for body, (stress, radius, angle) in sought:
@@ -160,113 +89,12 @@ def largest(curve: Solution) -> dict[str, LargestStress]:
         place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
         place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
         place[np.isclose(radius, outer, atol=0)] = "outside"
-        if body == "ball" and isinstance(curve.joint.ball_support, Core):
-            place[np.isclose(radius, curve.joint.ball_support.radius, atol=0)] = "at the core"
+        if body == "ball":
+            held = support.holds(radius * np.sin(angle), radius * np.cos(angle))
+            place[held] = f"at the {support.word}"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         by_body[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
-    return by_body
-
-
-def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
-    """First yield of a joint by the von Mises criterion; None if no body yields.
-
-    A body with yield stress Y yields when its maximum von Mises stress, in units of E* dR/R2, is
-    R2* Y/E*. This stress, divided by the square root of the depth, is interpolated between solved
-    depths and down to Hertz's limit at depth 0. Its error is below 0.5 % for socket ratios from
-    1.05 on, and below 5 % in thinner sockets at depths below 0.001.
-
-    Parameters
-    ----------
-    joint
-        A joint in which at least one material has a yield stress.
-    depth_star
-        Maximum normalised penetration depth that is considered.
-
-    Raises
-    ------
-    ValueError
-        If no material has a yield stress, if the ball support is not ``guided`` or ``clamped``, if
-        the socket is not held at its whole outside, or if the contact cannot be so deep.
-
-    Examples
-    --------
-    >>> from study.contact import Material
-    >>> from study.joint import Joint
-    >>> ball, socket = Material(yield_stress=5e8), Material()
-    >>> first = first_yield(Joint.from_ratios(50, ball=ball, socket=socket), 0.3)
-    >>> first.body, first.place, round(first.depth_star, 3)
-    ('ball', 'below the surface', 0.13)
-    """
-    if not (joint.ball_support.by_plane and isinstance(joint.socket_support, WholeOutside)):
-        raise checks.RangeError(
-            "first yield requires ball_support guided or clamped and socket_support outside, got "
-            f"{joint.ball_support} and {joint.socket_support}"
-        )
-    deepest = checks.number("depth_star", depth_star, above=0, scalar=True)
-    if not any(material.yield_stress for material in joint.materials.values()):
-        raise ValueError("a material of joint must have a yield_stress, got none")
-    return first_crossing(joint, over_depth(joint, deepest), deepest)
-
-
-def first_crossing(
-    joint: Joint, stresses: Mapping[str, StressOverDepth], deepest: float
-) -> FirstYield | None:
-    """First yield of a joint from the stresses `over_depth` in its bodies; None if no body yields.
-
-    The joint must be one that `first_yield` accepts. Because the stresses do not depend on the
-    yield stresses, one table applies to all joints that differ only in these.
-    """
-    from scipy.interpolate import PchipInterpolator  # a quarter of a second, for this alone
-    from scipy.optimize import brentq
-
-    yields = []
-    hertz = hertz_factor(joint.r2_star)  # times the cube of the root
-    for body, material in joint.materials.items():
-        table, touches = stresses[body], body in list(joint.materials)[:2]
-        solved = np.sqrt(table.depth_star)
-        used = solved >= (0 if joint.series_applies else _LEAST_ROOT)
-        root = np.append(0, solved[used])
-        stiffening = np.append(1, (table.force_star / (hertz * solved**3))[used])
-        limit = touches * hertz_von_mises(material.poisson)
-        slope = np.append(
-            2 / np.pi / np.sqrt(joint.radius_ratio) * limit, (table.von_mises / solved)[used]
-        )
-        yield_star = joint.r2_star * (material.yield_stress or np.inf) / joint.composite_modulus
-        beyond = np.flatnonzero(root * slope >= yield_star)
-        if beyond.size:
-            between, ends = PchipInterpolator(root, slope), root[beyond[0] - 1 :][:2]
-            x = brentq(lambda x, of, value: x * of(x) - value, *ends, args=(between, yield_star))
-            force = hertz * x**3 * PchipInterpolator(root, stiffening)(x)
-            place = table.place[np.abs(solved - x).argmin()]
-            yields.append(FirstYield(body, str(place), x**2, float(force)))
-    first = min(yields, key=lambda of_body: of_body.depth_star, default=None)
-    return first if first and first.depth_star <= deepest else None
-
-
-@lru_cache(maxsize=8)
-def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
-    """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
-
-    Depths are those of `study.joint.Joint.curve`.
-    """
-    deepest = max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
-    curve = joint.curve(deepest, stresses=True)
-    return {
-        body: StressOverDepth(curve.depth_star, curve.force_star, of.von_mises, np.array(of.place))
-        for body, of in curve.stress.items()
-    }
-
-
-def hertz_von_mises(poisson: float) -> float:
-    """Largest von Mises stress under Hertz's pressure on a half-space, over its peak.
-
-    On the axis (Johnson, Contact Mechanics, 1985, Eq. 3.45), or for Poisson's ratios below about
-    -0.1 at the contact's edge, where pure shear is (1 - 2 nu)/3.
-    """
-    depth = np.linspace(0, 2, 20_001)  # over the contact's radius
-    around = -(1 + poisson) * (1 - depth * np.arctan2(1, depth)) + 0.5 / (1 + depth**2)
-    axis = np.abs(around + 1 / (1 + depth**2)).max()
-    return float(max(axis, (1 - 2 * poisson) / np.sqrt(3)))
+    return replace(curve, stress=by_body)
 
 
 def _solids(joint, count):
@@ -367,8 +195,6 @@ def _of_elements(curve):
     for inner, outer in pairwise([1.0, *ratios]):
         sought.append((joint.socket_body, of_socket, HEIGHT, inner, outer))
     for name, (solid, pressure, lowest, *layer) in zip(joint.materials, sought, strict=True):
-        if name == "ball" and isinstance(joint.ball_support, CentrePoint):
-            continue
         body = modes.meshed(solid, resolution, nodes)
         r, z = body.mesh.doflocs
         radius, angle = np.hypot(r, z), np.arctan2(r, z)
@@ -398,20 +224,19 @@ def _top(values, places, at):
 
 
 @one_thread
-def largest_off_axis(
-    solution: Solution, grids: list[Contacts], solved: list[list[GridContact]]
-) -> dict[str, LargestStress]:
-    """`largest` of a solution off the axis, from the contacts on its finer and coarser grid.
+def added_off_axis(solved: Solved) -> Solution:
+    """A solution off the axis with the largest von Mises stress in each body, as `added`.
 
     Stresses are sought at some angles around the axis. The ``angle`` is the polar angle from the
     axis, negative on the other side of it, and the ``error`` is the relative difference between
     the stresses on both grids.
     """
+    solution, grids, contacts = solved
     by_body = {}
     for body in solution.joint.materials:
         fine, coarse = (
-            [_largest_at(body, grid, of) for of in contacts]
-            for grid, contacts in zip(grids, zip(*solved, strict=True), strict=True)
+            [_largest_at(body, grid, of) for of in on_grid]
+            for grid, on_grid in zip(grids, zip(*contacts, strict=True), strict=True)
         )
         stress, radius, angle, place = (np.array(of) for of in zip(*fine, strict=True))
         error = np.abs([of_coarse for of_coarse, *_ in coarse] / stress - 1)
@@ -419,7 +244,7 @@ def largest_off_axis(
         by_body[body] = LargestStress(
             stress, over_peak, radius, angle, tuple(place.tolist()), error
         )
-    return by_body
+    return replace(solution, stress=by_body)
 
 
 def _largest_at(body, contacts, contact):
@@ -432,18 +257,17 @@ def _largest_at(body, contacts, contact):
     if is_ball:
         pressure, corners = contact.of_ball, joint.ball_body.corners
         inside = z > support.lowest
-        if isinstance(support, Core | Bore):
-            held = np.abs((r if isinstance(support, Bore) else radius) - support.radius) < _ON
+        held = support.holds(r, z)
     else:
         pressure, corners = contact.pressure, joint.socket_body.corners
         layer, ratios = [*joint.materials].index(body) - 1, joint.socket_body.layers[0]
-        inside = np.searchsorted(ratios + _ON, radius) == layer
-        outside = radius > ratios[-1] - _ON
+        inside = np.searchsorted(ratios + ON, radius) == layer
+        outside = radius > ratios[-1] - ON
     at = np.flatnonzero(far_from(corners, r, z) & inside)
     stress = von_mises(surface.stresses(pressure, _AROUND, at))
     where, around = np.unravel_index(stress.argmax(), stress.shape)
     where = at[where]
-    place = "at the surface" if abs(radius[where] - 1) < _ON else "below the surface"
+    place = "at the surface" if abs(radius[where] - 1) < ON else "below the surface"
     place = "outside" if outside[where] else place
     place = f"at the {support.word}" if held[where] else place
     side = 1 if _AROUND[around] <= np.pi / 2 else -1

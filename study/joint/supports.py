@@ -26,6 +26,9 @@ HEIGHT = 0.1
 sought: they have no bound at the corner of a clamped and a free surface."""
 WALL = 0.05
 """Minimum width of a face between its edge and the bore, over the ball's radius."""
+ON = 1e-3
+"""Distance from a surface, in radii, of places that are on it."""
+Floats = NDArray[np.float64]
 Boundary = tuple[float, float, float, float]
 """Least and largest radius, over the body's own, and least and largest polar angle in rad."""
 
@@ -48,51 +51,90 @@ class _Support:
 
 @dataclass(frozen=True)
 class BallSupport(_Support):
-    """How the ball is held and moved. Half a ball is held at its equatorial plane by default."""
+    """How the ball is held and moved: half a ball by a plate, a whole one otherwise."""
 
-    is_half: ClassVar[bool] = True
-    is_free_across: ClassVar[bool] = False
-    """Whether nothing holds the ball across the axis."""
-    by_plane: ClassVar[bool] = False
-    """Whether the equatorial plane is held all over, so that stresses nearby are bounded."""
+    is_half: ClassVar[bool] = False
+    is_symmetric: ClassVar[bool] = False
+    """Whether the mirror image about the equator of the ball would be held in the same way."""
+    needs_dimensions: ClassVar[bool] = False
+
+    @property
+    def largest_opening(self) -> float:
+        """Maximum polar angle of the socket's rim, in deg."""
+        return 180.0
 
     @property
     def surface(self) -> tuple[float, float]:
         """Polar angles between which the socket may face the ball's surface, in deg."""
-        return (0.0, 90.0)
+        raise NotImplementedError
 
     @property
-    def corners(self) -> list[tuple[float, float]]:
-        """Places (r, z) in the meridian at which stresses may have no bound, over the radius."""
-        return [(1.0, 0.0)]
+    def meridian(self) -> tuple[float, float]:
+        """Polar angles between which the ball's meridian lies, in deg."""
+        return (0.0, 180.0)
 
     @property
-    def lowest(self) -> float:
-        """Height z in the ball, over its radius, above which its largest stress is sought."""
-        return HEIGHT
+    def bore(self) -> float:
+        """Radius of a bore along the axis, over the ball's; 0 without a bore."""
+        return 0.0
 
     @property
     def boundaries(self) -> dict[str, Boundary]:
         """Boundaries of the ball's meridian by which it may be held."""
-        return {"equator": (0, 1, np.pi / 2, np.pi / 2)}
+        raise NotImplementedError
+
+    @property
+    def corners(self) -> list[tuple[float, float]]:
+        """Places (r, z) in the meridian at which stresses may have no bound, over the radius."""
+        return []
+
+    @property
+    def lowest(self) -> float:
+        """Height z in the ball, over its radius, above which its largest stress is sought."""
+        return -1.0
+
+    @property
+    def edge(self) -> float | None:
+        """Polar angle in rad at which stresses on the surface have no bound."""
+        return None
+
+    @property
+    def inside(self) -> float:
+        """Radius over the ball's at which a mesh of concentric rings ends."""
+        return 0.0
+
+    def through(self, points: Floats) -> Floats:
+        """Points (r, z) of the ball's meridian from those of a mesh of concentric rings."""
+        return points
+
+    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:
+        """Whether places (r, z) are on what holds a whole ball inside it."""
+        return np.zeros(len(r), bool)
+
+    def in_ball(self, radius: float) -> "BallSupport":
+        """The support relative to the radius of a ball, which is given in m."""
+        return self
 
 
-class GuidedPlate(BallSupport):
-    """A plate that moves the equatorial plane along the axis and on which this plane can slide."""
+class _Plate(BallSupport):
+    """A plate at the equatorial plane, which moves half a ball along the axis."""
 
-    word, held, is_free_across, by_plane = "guided", {"equator": "z"}, True, True
+    is_half, largest_opening, surface, meridian = True, 90.0, (0.0, 90.0), (0.0, 90.0)
+    corners: ClassVar[list[tuple[float, float]]] = [(1.0, 0.0)]
+    lowest = HEIGHT
+    boundaries: ClassVar[dict[str, Boundary]] = {"equator": (0, 1, np.pi / 2, np.pi / 2)}
 
 
-class ClampedPlate(BallSupport):
+class GuidedPlate(_Plate):
+    """A plate on which the equatorial plane can slide."""
+
+    word, held, is_symmetric = "guided", {"equator": "z"}, True
+
+
+class ClampedPlate(_Plate):
     """A plate to which the equatorial plane is clamped."""
 
-    word, held, by_plane = "clamped", {"equator": "rz"}, True
-
-
-class CentrePoint(BallSupport):
-    """The centre point, which alone is displaced, as by a point load."""
-
-    word, held, is_free_across = "centre", {"centre": "z"}, True
+    word, held = "clamped", {"equator": "rz"}
 
 
 @dataclass(frozen=True)
@@ -103,13 +145,18 @@ class Core(BallSupport):
         ..., "radius of the core divided by that of the ball", least=0.05, most=0.8
     )
 
-    word, held, is_half, surface = "core", {"core": "rz"}, False, (0.0, 172.0)
-    corners: ClassVar[list[tuple[float, float]]] = []
-    lowest: ClassVar[float] = -1.0
+    word, held, is_symmetric, surface = "core", {"core": "rz"}, True, (0.0, 172.0)
 
     @property
     def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
         return {"core": (self.radius, self.radius, 0, np.pi)}
+
+    @property
+    def inside(self) -> float:  # noqa: D102
+        return self.radius
+
+    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:  # noqa: D102
+        return np.abs(np.hypot(r, z) - self.radius) < ON
 
 
 @dataclass(frozen=True)
@@ -118,16 +165,19 @@ class Neck(BallSupport):
 
     half_angle: float = parameter(..., "half-angle of the neck", "deg", least=5, most=90)
 
-    word, held, is_half = "neck", {"neck": "rz"}, False
+    word, held = "neck", {"neck": "rz"}
 
     @property
-    def edge(self) -> float:
-        """Polar angle of the neck's edge, in rad."""
-        return np.pi - np.radians(self.half_angle)
+    def largest_opening(self) -> float:  # noqa: D102
+        return 180.0 - self.half_angle - CLEAR
 
     @property
     def surface(self) -> tuple[float, float]:  # noqa: D102
         return 0.0, 180.0 - self.half_angle
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
+        return {"neck": (1, 1, self.edge, np.pi)}
 
     @property
     def corners(self) -> list[tuple[float, float]]:  # noqa: D102
@@ -138,8 +188,8 @@ class Neck(BallSupport):
         return float(np.cos(self.edge)) / 2
 
     @property
-    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
-        return {"neck": (1, 1, self.edge, np.pi)}
+    def edge(self) -> float:  # noqa: D102
+        return np.pi - np.radians(self.half_angle)
 
 
 @dataclass(frozen=True)
@@ -157,7 +207,7 @@ class Bore(BallSupport):
         most=80,
     )
 
-    word, held, is_half, lowest = "bore", {"bore": "rz"}, False, -1.0
+    word, held, is_symmetric, inside = "bore", {"bore": "rz"}, True, 0.5
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -174,15 +224,23 @@ class Bore(BallSupport):
         return self.face, 180.0 - self.face
 
     @property
+    def meridian(self) -> tuple[float, float]:  # noqa: D102
+        return self.surface
+
+    @property
+    def bore(self) -> float:  # noqa: D102
+        return self.radius
+
+    @property
+    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
+        return {"bore": (0.5, 0.5, 0, np.pi)}  # in the polar coordinates of `through`
+
+    @property
     def corners(self) -> list[tuple[float, float]]:  # noqa: D102
         edge, height = np.sin(np.radians(self.face)), np.cos(np.radians(self.face))
         return [(r, side * height) for r in (self.radius, edge) for side in (1, -1)]
 
-    @property
-    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
-        return {"bore": (0.5, 0.5, 0, np.pi)}  # in the polar coordinates of `through_bore`
-
-    def through_bore(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def through(self, points: Floats) -> Floats:
         """Points (r, z) of the bored ball from those of a shell with radii from 0.5 to 1.
 
         A ray of the shell becomes a line at one height, from the ball's surface to the bore.
@@ -190,6 +248,9 @@ class Bore(BallSupport):
         radius, angle = np.hypot(*points), np.arctan2(*points)
         share = 2 * radius - 1
         return np.array([self.radius + share * (np.sin(angle) - self.radius), np.cos(angle)])
+
+    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:  # noqa: D102
+        return np.abs(r - self.radius) < ON
 
 
 @dataclass(frozen=True)
@@ -199,47 +260,50 @@ class Pin(BallSupport):
     radius: float = parameter(..., "radius of the pin", "m", above=0)
     width: float = parameter(..., "width of the ball between its faces", "m", above=0)
 
-    word, held, is_half = "pin", {"bore": "rz"}, False
+    word, held, needs_dimensions = "pin", {"bore": "rz"}, True
 
-    def in_ball(self, ball_radius: float) -> Bore:
+    def in_ball(self, radius: float) -> Bore:
         """The bore of a ball of a radius in m."""
-        checks.number("width of the ball", self.width, "m", below=2 * ball_radius)
-        face = float(np.degrees(np.arccos(self.width / 2 / ball_radius)))
-        largest = np.sqrt(ball_radius**2 - self.width**2 / 4) - WALL * ball_radius
+        checks.number("width of the ball", self.width, "m", below=2 * radius)
+        face = float(np.degrees(np.arccos(self.width / 2 / radius)))
+        largest = np.sqrt(radius**2 - self.width**2 / 4) - WALL * radius
         if self.radius > largest:
             raise checks.RangeError(
                 f"radius of the pin must be <= {largest:.4g} m in a ball with a radius of "
-                f"{ball_radius:.4g} m and a width of {self.width:g} m, got {self.radius:g} m; give "
+                f"{radius:.4g} m and a width of {self.width:g} m, got {self.radius:g} m; give "
                 "a thinner pin or a narrower ball"
             )
-        return Bore(self.radius / ball_radius, face)
+        return Bore(self.radius / radius, face)
 
 
 @dataclass(frozen=True)
 class SocketSupport(_Support):
     """Where the socket is held rigidly."""
 
-    def in_words(self) -> str:
-        """A sentence on where the socket is held."""
-        raise NotImplementedError
+    is_all_round: ClassVar[bool] = False
+    """Whether the socket is held all over its outside."""
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Polar angles in deg between which a part of the outside is held."""
+        return ()
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the mirror image about the equator would be held in the same way."""
+        return self.is_all_round or sum(self.ends) == 180
 
 
 class WholeOutside(SocketSupport):
     """The whole outside of the socket."""
 
-    word, held = "outside", {"outside": "rz"}
-
-    def in_words(self) -> str:  # noqa: D102
-        return "The whole outside of the socket is held rigidly."
+    word, held, is_all_round = "outside", {"outside": "rz"}, True
 
 
 class RimFace(SocketSupport):
     """The face of the rim only."""
 
     word, held = "rim", {"rim": "rz"}
-
-    def in_words(self) -> str:  # noqa: D102
-        return "The socket is held rigidly at the face of its rim."
 
 
 @dataclass(frozen=True)
@@ -255,17 +319,16 @@ class Sector(SocketSupport):
         super().__post_init__()
         checks.number("last polar angle of the sector", self.last, "deg", least=self.first + CLEAR)
 
-    def in_words(self) -> str:  # noqa: D102
-        angles = f"{self.first:g} to {self.last:g} deg"
-        return f"The outside of the socket is held rigidly at polar angles from {angles}."
+    @property
+    def ends(self) -> tuple[float, ...]:  # noqa: D102
+        return self.first, self.last
 
 
 PLATES = GuidedPlate(), ClampedPlate()
-"""Supports of half a ball that hold its equatorial plane all over."""
+"""Supports of half a ball."""
 BALL_SUPPORTS: tuple[type[BallSupport], ...] = (
     GuidedPlate,
     ClampedPlate,
-    CentrePoint,
     Core,
     Neck,
     Bore,

@@ -205,7 +205,7 @@ def exceeded_limits(
     Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
     socket with the given ratio of its radii that is held at its whole outside.
     """
-    from study.joint import Joint, limits  # a simulation needs no solver
+    from study.joint import Joint, limits, yielding  # a simulation needs no solver
 
     deepest = response.largest_depth
     if deepest == 0:
@@ -219,8 +219,8 @@ def exceeded_limits(
     try:
         r2_star = scene.socket_radius / scene.clearance
         joint = Joint.from_ratios(r2_star, socket_ratio, ball=ball, socket=socket)
-        found |= limits.limits(joint, depth_star, 0.0, depth=deepest)
-        found |= limits.yield_limit(joint, depth_star)
+        found |= limits.limits(depth_star, depth=deepest)
+        found |= yielding.yield_limit(joint, depth_star)
     except checks.RangeError as error:
         found["joint"] = (
             f"The law was not compared with an elastic solution of this joint: {error}."
