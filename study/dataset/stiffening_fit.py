@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from study.contact import Hertz
 from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
 from study.joint import Joint, Material
-from study.joint.axial import depths_and_forces
+from study.joint.axial import at_nodes
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
@@ -66,8 +66,10 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
         joint = Joint.from_ratios(r2_star, ratio, ball=ball, socket=socket, **supports)
         resolution = FINER if joint.series_applies else RESOLUTION
         resolution = COARSER if counts["r2_star"] > 1 else resolution
-        depth, force = depths_and_forces(joint, DEEPEST, resolution)
-        solved.append(at_places(depth, force / Hertz()(depth, r2_star)))
+        nodes = at_nodes(joint, DEEPEST, resolution)
+        assert nodes is not None  # contacts of these supports are nested
+        factor = nodes.force_star / Hertz()(nodes.depth_star, r2_star)
+        solved.append(at_places(nodes.depth_star, factor))
     return np.reshape(solved, (*map(len, axes), *np.shape(solved[0])))
 
 

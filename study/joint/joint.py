@@ -462,7 +462,12 @@ def reference_joint(r2_star: float = 200, **changes: Any) -> Joint:
 
 @lru_cache(maxsize=16)
 def _table(joint, deepest, tilt, resolution):
-    curve = joint.curve(deepest, tilt, resolution)
+    curve = None
+    if tilt is None and joint.has_pole:
+        last = joint.default_depth if deepest is None else deepest
+        curve = axial.at_nodes(joint, last, resolution)
+    if curve is None:
+        curve = joint.curve(deepest, tilt, resolution)
     table = Table.of_curve(curve)
     if curve.depth_star[0] > curve.depth_star[-1] / 10:
         raise UnresolvedError(

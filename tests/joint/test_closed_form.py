@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from study import paths
 from study.contact import Hertz
-from study.joint.axial import depths_and_forces
+from study.joint.axial import at_nodes
 
 OF_FORCE, OF_ANGLE, OF_PEAK = 0.035, 0.07, 0.12  # largest relative errors stated
 ROOTS = np.linspace(0.001**0.5, 1, 40)
@@ -53,10 +53,11 @@ def random_joints(count, shares, seed):
 def test_error_of_force_on_joints_that_had_no_part_in_the_fit():
     worst = []
     for joint in random_joints(160, (0.0, 1.0), seed=3):
-        depth, force = depths_and_forces(joint, 1.0, 160)
-        inside = (depth >= 0.001) & (depth <= 1)
-        found = form.force_at(depth[inside], joint.r2_star, *form.bodies_of(joint))
-        worst.append(np.abs(found / force[inside] - 1).max())
+        nodes = at_nodes(joint, 1.0, 160)
+        inside = nodes.depth_star >= 0.001
+        depth, force = nodes.depth_star[inside], nodes.force_star[inside]
+        found = form.force_at(depth, joint.r2_star, *form.bodies_of(joint))
+        worst.append(np.abs(found / force - 1).max())
     assert max(worst) < OF_FORCE
     assert np.median(worst) < 0.02
 

@@ -5,9 +5,9 @@ import pytest
 from helpers.bodies import reaction
 from skfem import Basis, ElementTriP2, Functional
 
-from study.joint import meridian, modes, series
+from study.joint import meridian, modes, series, surface
 from study.joint.compliance import Ball, HatFunctions, Socket, surface_angles
-from study.joint.supports import Bore, CentrePoint, ClampedPlate, Core, Neck, Opening, Sector
+from study.joint.supports import Bore, ClampedPlate, Core, Neck, Opening, Sector
 
 FREE = Socket(1.19, rim="free")
 WIDE, RING = Opening(120.0), Opening(125.0, 55.0)
@@ -28,7 +28,7 @@ OF_BODIES = pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def meshed(body, count=32):
     """A body on a surface of equal elements, as off the axis."""
     first, last = body.opening.first, body.opening.last
-    if isinstance(body, Ball) and isinstance(body.support, Bore):
+    if isinstance(body, Ball) and body.support.bore:
         first, last = body.support.surface
     return modes.made(body, np.radians(np.linspace(first, last, count + 1)), 0.1 * count)
 
@@ -138,13 +138,6 @@ def test_rigid_motions_have_no_energy():
         assert (abs(displacement @ of_mode @ displacement) < 1e-12) == rigid
 
 
-def test_a_point_drive_depends_on_the_mesh():
-    # the displacement under a point load grows without bound as the mesh is refined
-    ball = Ball(support=CentrePoint())
-    coarse, middle, fine = (modes.compliance(ball, n).flexibility.sum() for n in (32, 64, 128))
-    assert fine - middle > 1.5 * (middle - coarse) > 0
-
-
 @pytest.mark.parametrize(
     ("free", "held"),
     [(Ball(), Ball(support=ClampedPlate())), (Socket(1.5, rim="free"), Socket(1.5))],
@@ -193,7 +186,7 @@ def test_a_seat_ends_at_vertices_and_a_neck_at_its_angle():
 
 @pytest.mark.parametrize("around", [64, 80, 96, 144])
 def test_functions_of_the_nodes_sum_to_one_and_mirror_each_other(around):
-    grid = modes.Grid(np.linspace(0, 1.5, 33), around)
+    grid = surface.Grid(np.linspace(0, 1.5, 33), around)
     theta, phi, area = grid.points
     values = grid.values(theta, phi)
     assert values.sum(axis=1) == pytest.approx(1)

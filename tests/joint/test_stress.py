@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from other_programs import calculix
 
 from study.contact import Hertz
-from study.joint import Joint, Layer, Material, first_yield, modes, stress
+from study.joint import Joint, Layer, Material, first_yield, modes, stress, yielding
 from study.joint.compliance import HatFunctions
 from study.joint.supports import HEIGHT
 
@@ -48,7 +48,9 @@ def test_a_small_contact_is_that_of_hertz_on_half_spaces(poisson):
         assert inside[0] == pytest.approx(along, abs=5e-3)
         assert inside[1:3] == pytest.approx(np.array([across, across]), abs=5e-3)
         largest = found.stress[body]
-        assert largest.von_mises / peak == pytest.approx(stress.hertz_von_mises(poisson), rel=5e-3)
+        assert largest.von_mises / peak == pytest.approx(
+            yielding.hertz_von_mises(poisson), rel=5e-3
+        )
         assert largest.place == ("below the surface",)
     if poisson == 0.3:
         assert largest.over_peak == pytest.approx(0.62, abs=5e-3)
@@ -58,7 +60,7 @@ def test_a_small_contact_is_that_of_hertz_on_half_spaces(poisson):
 @pytest.mark.parametrize("poisson", [-0.5, 0.0, 0.3, 0.5 - 1e-9])
 def test_limit_of_hertz(poisson):
     known = {-0.5: 2 / np.sqrt(3), 0.3: 0.6200}  # pure shear at the edge; Johnson's 0.62
-    found = stress.hertz_von_mises(poisson)
+    found = yielding.hertz_von_mises(poisson)
     assert found == pytest.approx(known.get(poisson, found), abs=1e-4)
     assert 0.5 < found < 1.2
 
@@ -220,11 +222,6 @@ def test_a_thin_incompressible_socket_is_sheared_at_its_outer_sphere():
     assert joint.solve(depth_star=0.05, stresses=True).stress["socket"].place == ("outside",)
 
 
-def test_under_a_point_load_the_ball_has_no_largest_stress():
-    pressed = RATIOS(200, ball_support="centre").solve(depth_star=0.1, resolution=32, stresses=True)
-    assert list(pressed.stress) == ["socket"]
-
-
 def test_yield_stress_changes_neither_force_nor_equality():
     assert steel(1e9) == Material()
     assert hash(steel(1e9)) == hash(Material())
@@ -262,7 +259,7 @@ def test_a_weak_joint_yields_as_hertz_tells():
     joint = RATIOS(200, ball=steel(1e5))  # and a socket of the same steel
     first = first_yield(joint, 0.3)
     strength = 200 * 1e5 / joint.composite_modulus
-    root = strength * np.pi / 2 * np.sqrt(joint.radius_ratio) / stress.hertz_von_mises(0.3)
+    root = strength * np.pi / 2 * np.sqrt(joint.radius_ratio) / yielding.hertz_von_mises(0.3)
     assert first.depth_star == pytest.approx(root**2, rel=5e-3)
     assert first.force_star == pytest.approx(Hertz()(first.depth_star, 200), rel=5e-3)
 

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from study.joint import Joint, Material, UnresolvedError
 from study.joint.tilted import axes_of, direction
 
-pytestmark = pytest.mark.slow
-
 CORE = "core:0.2"
 WIDE = Joint.from_ratios(200, ball_support=CORE)
 CUT = Joint.from_ratios(200, ball_support=CORE, opening=70)
@@ -49,7 +47,6 @@ By CalculiX 2.20 and `other_programs.calculix_ring`, by resolution and shells, w
 error of the finest force is therefore about 0.1 %. The finest takes some minutes.
 """
 SUPPORTS = (
-    {"ball_support": "clamped", "rim": "free"},
     {"ball_support": "core:0.3", "opening": 70},
     {"ball_support": "neck:30", "opening": 100},
     ROD_END,
@@ -66,6 +63,7 @@ def in_space(found):
     return np.array([axes_of(tilt).T @ both for tilt, *both in parts])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinematics", ["small", "linear"])
 def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
     joint = Joint.from_ratios(200, ball_support=CORE, kinematics=kinematics)
@@ -83,6 +81,7 @@ def test_a_ball_in_a_wide_socket_is_the_same_in_every_direction(kinematics):
     assert found.contact_area_star[1] == pytest.approx(axial.contact_area_star[0], rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0, 30])
 def test_peak_pressure_is_that_of_the_axisymmetric_contact(tilt):
     axial, found = (WIDE.solve(depth_star=[0.1, 0.5], tilt=t) for t in (None, tilt))
@@ -91,6 +90,7 @@ def test_peak_pressure_is_that_of_the_axisymmetric_contact(tilt):
     assert found.peak_angle_deg == pytest.approx([tilt, tilt], abs=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("supports", "resolution"),
     [
@@ -110,6 +110,7 @@ def test_along_the_axis_force_is_that_of_the_axisymmetric_contact(supports, reso
     assert abs(found.transverse_star) < 1e-12 * found.force_star
 
 
+@pytest.mark.slow
 def test_error_estimate_covers_the_error_where_the_rim_cuts_the_contact():
     where = [0.1, 0.3, 0.5, 0.5], [60, 75, 60, 75]
     coarse, fine = (pressed(CUT, *where, n) for n in (32, 48))
@@ -140,12 +141,11 @@ def derivative(kinematics, tilt, step=0.03):
 def test_stiffness_is_the_derivative_of_the_force(kinematics, tilt):
     by_steps, found = derivative(kinematics, tilt)
     assert found.reaches_rim == (tilt == 60)
-    norm = np.linalg.norm(by_steps)
-    # 0.1 to 0.5 %; across, linear kinematics leave out that the ball's normals turn: P/R2*
     assert found.stiffness_star == pytest.approx(by_steps[0, 0], rel=6e-3)
-    assert found.transverse_stiffness_star == pytest.approx(by_steps[1, 1], abs=1e-2 * norm)
+    assert found.transverse_stiffness_star == pytest.approx(by_steps[1, 1], rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kinematics", "tilt", "most"),
     # the force of small kinematics takes the socket's normals, and the gap the ball's: 1/R2*
@@ -158,6 +158,7 @@ def test_forces_have_an_energy(kinematics, tilt, most):
     assert (abs(by_steps[0, 1]) > 0.1 * norm) == (tilt == 60)  # the rim couples them
 
 
+@pytest.mark.slow
 def test_force_is_that_of_calculix_where_the_rim_cuts_the_contact():
     found, finest = CUT.solve(depth_star=0.5, tilt=60), np.array(CALCULIX[6, 3])
     force = np.append(found.force_star, found.transverse_star)
@@ -166,6 +167,7 @@ def test_force_is_that_of_calculix_where_the_rim_cuts_the_contact():
     assert off == sorted(off, reverse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("joint", "depth", "force", "pressure", "reaches_rim"),
     [
@@ -187,6 +189,7 @@ def test_force_and_pressure_of_a_rod_end_are_those_of_calculix(
     assert abs(found.transverse_star) < 1e-9 * force
 
 
+@pytest.mark.slow
 def test_a_ball_that_moves_far_still_faces_the_whole_rim():
     joint = Joint.from_ratios(10, ball_support=CORE)  # moved by 0.19 R2, or 11 deg
     found, axial = pressed(joint, [0.9, 0.9], [0, 40]), joint.solve(depth_star=0.9)
@@ -195,6 +198,7 @@ def test_a_ball_that_moves_far_still_faces_the_whole_rim():
     assert found.force_star[1] == pytest.approx(found.force_star[0], rel=3e-3)
 
 
+@pytest.mark.slow
 def test_a_force_is_borne_by_the_displacement_that_is_found():
     force, tilt = np.array([30.0, 100.0, 60.0]), np.array([0.0, 20.0, 60.0])
     found = CUT.solve(force=force * CUT.force_unit, tilt=tilt, resolution=32)
@@ -208,12 +212,18 @@ def test_a_force_is_borne_by_the_displacement_that_is_found():
 
 
 def test_a_symmetric_ring_answers_symmetric_tilts_alike():
-    found = pressed(Joint.from_ratios(200, **ROD_END), [0.5] * 3, [75, 90, 105])
+    joint = Joint.from_ratios(200, **ROD_END)
+    under = joint.solve(force=200 * joint.force_unit, resolution=32)
+    assert (under.tilt[0], under.transverse_star[0]) == (90, 0)  # zero by symmetry is zero
+    found = pressed(joint, [0.5] * 3, [75, 90, 105])
     assert found.force_star[0] == pytest.approx(found.force_star[2], rel=1e-9)
     across = found.transverse_star / found.force_star[1]
     assert across[:2] == pytest.approx([-across[2], 0], abs=1e-9)
     assert found.reaches_rim.all()
-    # away from its rims the ring is the cup around the same ball
+
+
+@pytest.mark.slow
+def test_away_from_its_rims_a_ring_is_the_cup_around_the_same_ball():
     cup, ring = (
         pressed(Joint.from_ratios(200, ball_support=CORE, opening=opening), 0.1, 90)
         for opening in (140, "40:140")
@@ -221,6 +231,7 @@ def test_a_symmetric_ring_answers_symmetric_tilts_alike():
     assert ring.force_star == pytest.approx(cup.force_star, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_stresses_and_friction_off_the_axis_are_those_along_it():
     # a ball on a large core in a wide socket: nearly the same in every direction
     joint = Joint.from_ratios(200, ball_support="core:0.5")
@@ -239,14 +250,7 @@ def bends(values):
     return np.abs(np.diff(np.log(values), 2))
 
 
-def test_the_end_of_the_ball_passes_the_nodes_of_the_socket_without_a_jump():
-    """Where integration points beyond it were left out one by one, the force jumped by 6 %."""
-    tilts = np.arange(64, 70.1, 0.5)
-    force = pressed(Joint.from_ratios(24.348, **SUPPORTS[0]), [0.5] * len(tilts), tilts).force_star
-    assert (np.diff(force) < 0).all()
-    assert bends(force).max() < 1e-3
-
-
+@pytest.mark.slow
 @settings(max_examples=4)
 @given(
     supports=st.sampled_from(SUPPORTS),
@@ -269,20 +273,12 @@ def test_the_force_is_smooth_in_tilt_and_depth(supports, r2_star, depth, tilt, r
     assert force[3] < force[1] < force[4]
 
 
+@pytest.mark.slow
 def test_a_small_core_is_resolved():
     """With elements that grow all the way to the core, the force was 2 % off at resolution 32."""
     joint = Joint.from_ratios(200, ball_support="core:0.12", opening=80)
     coarse, fine = (pressed(joint, 0.5, 10, n).force_star for n in (32, 48))
     assert coarse == pytest.approx(fine, rel=1e-3)
-
-
-@pytest.mark.parametrize("kinematics", ["small", "linear"])
-def test_a_contact_between_two_held_edges_is_refused(kinematics):
-    held = {"ball_support": "clamped", "socket_support": "rim", "rim": "free"}
-    joint = Joint.from_ratios(200, kinematics=kinematics, **held)
-    assert pressed(joint, 0.3, 10).error_estimate < 0.05  # off the rim
-    with pytest.raises(ValueError, match="no force is finite where held edges touch"):
-        pressed(joint, 0.5, 70)
 
 
 def random_contacts(seed, count):
@@ -291,11 +287,10 @@ def random_contacts(seed, count):
     for number in range(count):
         last = draw.uniform(50, 120)
         supports = (
-            {"ball_support": "clamped", "rim": "free", "opening": min(last, 90.0)},
             {"ball_support": f"core:{draw.uniform(0.1, 0.6):.2f}", "opening": last},
             {"ball_support": f"neck:{draw.uniform(10, 40):.0f}", "opening": last},
             {"ball_support": "bore:0.3,45", "opening": f"{90 - last / 3}:{90 + last / 3}"},
-        )[number % 4]
+        )[number % 3]
         joint = Joint.from_ratios(
             np.exp(draw.uniform(np.log(20), np.log(3000))),
             draw.choice([1.1, 1.298, 2.0]),
@@ -307,6 +302,7 @@ def random_contacts(seed, count):
         yield joint, np.exp(draw.uniform(np.log(0.05), 0)), tilt
 
 
+@pytest.mark.slow
 def test_stated_errors_cover_the_difference_to_twice_the_resolution():
     """For force and peak pressure; 300 such contacts give the frequency that is published."""
     for joint, depth, tilt in random_contacts(5, 4):
