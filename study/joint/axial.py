@@ -225,8 +225,10 @@ def _contact(joint, pairs, meshed, depth, solver):
     fine, coarse = (of.pressure(depth) for of in meshed)
     if fine is not None and coarse is not None:
         of_fine, of_coarse = (of.at(depth) for of in meshed)
-        values = of_fine if solver == "linear" else of_fine + (of_fine - of_coarse) / 3
-        (force, stiffness, half_angle), change = values, of_fine[0] - of_coarse[0]
+        force, stiffness, half_angle = of_fine + (of_fine - of_coarse) / 3
+        if solver == "linear":  # of the finer mesh, to show what it gives
+            force = meshed[0].resultant(fine)
+        change = of_fine[0] - of_coarse[0]
     else:
         (fine, force), (coarse, other) = (_pivoted(joint, pair, depth) for pair in pairs)
         nearby = [_pivoted(joint, pairs[0], depth * s)[1] for s in (1 - _NEAR, 1 + _NEAR)]

@@ -50,6 +50,7 @@ class NestedContacts:
         self, joint: JointDescription, ball: Compliance, socket: Compliance, deepest: float
     ):
         problem, axial = problem_of(joint, ball, socket)
+        self._per_pressure = joint.r2_star * axial
         widest = _WIDEST * np.sqrt(deepest / joint.radius_ratio) + ball.angles[_MORE]
         self.angles, size = ball.angles, np.searchsorted(ball.angles, widest, "right")
         self._deepest, self._size, self._parts = deepest, size, []
@@ -100,6 +101,10 @@ class NestedContacts:
         factor, slope = self._stiffening(root), self._stiffening(root, 1)
         force, stiffness = depths * root * factor, root * 1.5 * factor + depths * slope / 2
         return np.array([self._hertz * force, self._hertz * stiffness, self._edge(root)])
+
+    def resultant(self, pressure: Floats) -> float:
+        """Force_star of a pressure at all nodes."""
+        return float(self._per_pressure @ pressure)
 
     def pressure(self, depth: float) -> Floats | None:
         """Pressure at all nodes at a depth_star, or None if its contact is not nested."""
