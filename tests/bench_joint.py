@@ -8,8 +8,9 @@ import pytest
 
 from study import contact
 from study.contact import stiffening
-from study.joint import Joint, modes, series, table, tilted
+from study.joint import Joint, modes, series, surface
 from study.joint.compliance import Ball, Socket
+from study.joint.joint import table_of
 from study.joint.supports import Core
 
 JOINT = Joint.from_ratios(200)
@@ -31,14 +32,14 @@ def test_bodies(benchmark, solver):
 @pytest.mark.parametrize(
     ("made", "body"),
     [
-        (tilted.ball_surface, (Ball(support=Core(0.2)), 8.0)),
-        (tilted.socket_surface, (Socket(1.298, rim="free"),)),
+        (surface.of_ball, (Ball(support=Core(0.2)), 8.0)),
+        (surface.of_socket, (Socket(1.298, rim="free"),)),
     ],
     ids=["ball", "socket"],
 )
 def test_a_body_by_fourier_modes(benchmark, made, body):
     def solved():
-        made.__wrapped__(*body, tilted.RESOLUTION).solve(stresses=False)
+        made.__wrapped__(*body, 48).solve(stresses=False)
 
     benchmark.pedantic(solved, rounds=3)
 
@@ -59,10 +60,10 @@ def test_curve_of_20_depths_with_its_error_estimate(benchmark, kinematics):
 @pytest.mark.parametrize("bodies", ["known", "new"])
 def test_table_of_a_joint(benchmark, bodies):
     def new():
-        table.checked.cache_clear()
+        table_of.cache_clear()
         if bodies == "new":
             series.compliance.cache_clear()
-        return table.checked(JOINT)
+        return JOINT.table()
 
     benchmark.pedantic(new, rounds=10, warmup_rounds=1)
 

@@ -309,7 +309,8 @@ class Power(Law):
 
     @classmethod
     def of(cls, joint: Any) -> Power:  # noqa: D102
-        return cls(*joint.power_fit()[:2])
+        fit, unit = joint.power_law(), joint.force_unit
+        return cls(fit.coefficient * joint.clearance**fit.exponent / unit, fit.exponent)
 
     @classmethod
     def fit(cls, joint: Any, depth_star: ArrayLike, force_star: ArrayLike) -> Power:  # noqa: D102

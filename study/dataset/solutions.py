@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from study import paths
 from study.dataset import store
 from study.joint import Joint, LargestStress, Solution, Solver
-from study.joint.yielding import StressOverDepth, over_depth
 from study.joint.tilted import RESOLUTION
+from study.joint.yielding import StressOverDepth, over_depth
 
 Floats = NDArray[np.float64]
 _AXIAL = ("depth_star", "force_star", "contact_half_angle_deg", "peak_pressure_star")

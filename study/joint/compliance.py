@@ -61,7 +61,7 @@ class Ball:
     @property
     def corners(self) -> NDArray[np.float64]:
         """Places (r, z) in the meridian at which stresses may have no bound; shape (n, 2)."""
-        return np.reshape(self.support.corners, (-1, 2))
+        return np.reshape(self.support.outline.corners, (-1, 2))
 
 
 @dataclass(frozen=True)

@@ -203,13 +203,8 @@ class JointDescription:
             raise checks.RangeError(
                 f"wall must be > {inside:g} m, the thickness of its liners, got {self.wall:g} m"
             )
-        if self.ball_support.needs_dimensions and not self.has_dimensions:
-            raise checks.RangeError(
-                f"ball_support {self.ball_support.word} requires a joint with dimensions; without "
-                "dimensions use bore:RADIUS,ANGLE, where RADIUS is the radius of the bore divided "
-                "by that of the ball and ANGLE the polar angle of the edges of its faces in deg"
-            )
-        object.__setattr__(self, "ball_support", self.ball_support.in_ball(self.ball_radius))
+        ball_radius = self.ball_radius if self.has_dimensions else None
+        object.__setattr__(self, "ball_support", self.ball_support.in_ball(ball_radius))
 
     def _check_materials(self):
         name = "Young's modulus of the socket divided by that of the ball"
@@ -229,7 +224,7 @@ class JointDescription:
                 "because a ring touches the ball at its equator; use for example core:0.2 (a rigid "
                 f"core), neck:30 (a rigid neck) or bore:0.5,45 (a rigid pin in a bore), got {ball}"
             )
-        most = ball.largest_opening
+        most = ball.outline.largest_opening
         checks.number(f"opening with ball_support {ball}", opening.last, "deg", most=most)
         if ends := self.socket_support.ends:
             checks.number("first angle of socket_support", ends[0], "deg", least=opening.first)
@@ -363,7 +358,7 @@ class JointDescription:
     @property
     def has_pole(self) -> bool:
         """Whether ball and socket face each other on the axis, along which they can be pressed."""
-        return not self.opening.is_ring and self.ball_support.surface[0] == 0
+        return not self.opening.is_ring and self.ball_support.outline.surface[0] == 0
 
     def is_plane_of_symmetry(self, tilt: float) -> bool:
         """Whether the joint is symmetric about a direction at a tilt in deg: its axis or equator.

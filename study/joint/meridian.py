@@ -45,22 +45,29 @@ def ball_mesh(
     elements' size grows by the factor e, and altogether a ``multiple``, so that meshes of half and
     of twice the resolution have half and twice as many.
     """
-    support, (first, last) = ball.support, np.radians(ball.support.meridian)
-    boundaries = {"surface": (1, 1, angles[0], angles[-1])} | support.boundaries
-    if support.bore > 0:
-        thickness = 1 - support.bore
-        radii = 1.0 - _depths(thickness, 1.0, rings, multiple) / thickness * (1 - support.inside)
-    elif support.inside > 0:
-        radii = 1.0 - _depths_to_core(support.inside, rings, multiple)
+    outline, (name,) = ball.support.outline, ball.held
+    first, last = np.radians(outline.meridian)
+    boundaries = {"surface": (1, 1, angles[0], angles[-1]), name: outline.held}
+    if outline.bore:  # a shell, which is bent to the bore
+        thickness = 1 - outline.bore
+        radii = 1.0 - _depths(thickness, 1.0, rings, multiple) / thickness / 2
+    elif outline.core:
+        radii = 1.0 - _depths_to_core(outline.core, rings, multiple)
     else:
         radii = 1.0 - _depths(1.0, 1.0, rings, multiple)[:-1]
     everywhere = angles
-    if support.edge is not None:  # stresses have no bound there: elements do not grow up to it
-        everywhere = _onward(angles, support.edge, growth=1e-6)
+    if outline.edge is not None:  # stresses have no bound there: elements do not grow up to it
+        everywhere = _onward(angles, outline.edge, growth=1e-6)
     everywhere = _onward(everywhere, last)
     everywhere = -_onward(-everywhere[::-1], -first)[::-1]
-    mesh = _ring_mesh(radii, everywhere, nodes, boundaries, centre=support.inside == 0)
-    return replace(mesh, doflocs=support.through(mesh.doflocs))
+    centre = not (outline.core or outline.bore)
+    mesh = _ring_mesh(radii, everywhere, nodes, boundaries, centre)
+    if not outline.bore:
+        return mesh
+    # rays of the shell, at radii from 1 to 1/2, become lines at one height, up to the bore
+    radius, angle = np.hypot(*mesh.doflocs), np.arctan2(*mesh.doflocs)
+    r = outline.bore + (2 * radius - 1) * (np.sin(angle) - outline.bore)
+    return replace(mesh, doflocs=np.array([r, np.cos(angle)]))
 
 
 def socket_mesh(

@@ -89,9 +89,8 @@ def added(curve: Solution) -> Solution:
         place[np.abs(radius - 1) <= _NEAR * edge] = "at the surface"
         place[np.isclose(radius[:, None], interfaces, atol=0).any(axis=1)] = "at an interface"
         place[np.isclose(radius, outer, atol=0)] = "outside"
-        if body == "ball":
-            held = support.holds(radius * np.sin(angle), radius * np.cos(angle))
-            place[held] = f"at the {support.word}"
+        if body == "ball" and support.outline.core:
+            place[np.isclose(radius, support.outline.core, atol=0)] = "at the core"
         over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
         by_body[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
     return replace(curve, stress=by_body)
@@ -191,7 +190,9 @@ def _of_elements(curve):
     nodes = 3 if curve.solver == "linear" else 6
     joint, edge, resolution = curve.joint, curve.joint.opening.reach, len(curve.angle_deg) - 1
     of_socket, ratios = _on_socket(curve), joint.socket_body.layers[0]
-    sought = [(joint.ball_body, curve.pressure_star, joint.ball_support.lowest, 0.0, np.inf)]
+    sought = [
+        (joint.ball_body, curve.pressure_star, joint.ball_support.outline.lowest, 0.0, np.inf)
+    ]
     for inner, outer in pairwise([1.0, *ratios]):
         sought.append((joint.socket_body, of_socket, HEIGHT, inner, outer))
     for name, (solid, pressure, lowest, *layer) in zip(joint.materials, sought, strict=True):
@@ -256,8 +257,10 @@ def _largest_at(body, contacts, contact):
     held, outside = np.zeros((2, len(r)), bool)
     if is_ball:
         pressure, corners = contact.of_ball, joint.ball_body.corners
-        inside = z > support.lowest
-        held = support.holds(r, z)
+        outline = support.outline
+        inside = z > outline.lowest
+        if outline.core or outline.bore:
+            held = np.abs((radius - outline.core) if outline.core else (r - outline.bore)) < ON
     else:
         pressure, corners = contact.pressure, joint.socket_body.corners
         layer, ratios = [*joint.materials].index(body) - 1, joint.socket_body.layers[0]

@@ -6,11 +6,11 @@ displacement that are zero there (`study.joint.modes`). A support may be given a
 which is the point of the socket that the ball is pressed into by a load along the axis.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study import checks, parameters
 from study.parameters import described, parameter
@@ -28,7 +28,6 @@ WALL = 0.05
 """Minimum width of a face between its edge and the bore, over the ball's radius."""
 ON = 1e-3
 """Distance from a surface, in radii, of places that are on it."""
-Floats = NDArray[np.float64]
 Boundary = tuple[float, float, float, float]
 """Least and largest radius, over the body's own, and least and largest polar angle in rad."""
 
@@ -49,6 +48,29 @@ class _Support:
         return f"{self.word}:{numbers}" if numbers else self.word
 
 
+class Outline(NamedTuple):
+    """What follows from a ball's support for its meridian: lengths over the ball's radius."""
+
+    held: Boundary
+    """The boundary that is held."""
+    surface: tuple[float, float] = (0.0, 180.0)
+    """Polar angles between which the socket may face the ball's surface, in deg."""
+    meridian: tuple[float, float] = (0.0, 180.0)
+    """Polar angles between which the meridian lies, in deg."""
+    largest_opening: float = 180.0
+    """Maximum polar angle of the socket's rim, in deg."""
+    corners: Sequence[tuple[float, float]] = ()
+    """Places (r, z) at which stresses may have no bound."""
+    lowest: float = -1.0
+    """Height z above which the largest stress is sought."""
+    edge: float | None = None
+    """Polar angle in rad at which stresses on the surface have no bound."""
+    core: float = 0.0
+    """Radius of a rigid core, or 0."""
+    bore: float = 0.0
+    """Radius of a bore along the axis, or 0."""
+
+
 @dataclass(frozen=True)
 class BallSupport(_Support):
     """How the ball is held and moved: half a ball by a plate, a whole one otherwise."""
@@ -56,85 +78,38 @@ class BallSupport(_Support):
     is_half: ClassVar[bool] = False
     is_symmetric: ClassVar[bool] = False
     """Whether the mirror image about the equator of the ball would be held in the same way."""
-    needs_dimensions: ClassVar[bool] = False
 
     @property
-    def largest_opening(self) -> float:
-        """Maximum polar angle of the socket's rim, in deg."""
-        return 180.0
-
-    @property
-    def surface(self) -> tuple[float, float]:
-        """Polar angles between which the socket may face the ball's surface, in deg."""
+    def outline(self) -> Outline:
+        """The meridian of a ball with this support."""
         raise NotImplementedError
 
-    @property
-    def meridian(self) -> tuple[float, float]:
-        """Polar angles between which the ball's meridian lies, in deg."""
-        return (0.0, 180.0)
-
-    @property
-    def bore(self) -> float:
-        """Radius of a bore along the axis, over the ball's; 0 without a bore."""
-        return 0.0
-
-    @property
-    def boundaries(self) -> dict[str, Boundary]:
-        """Boundaries of the ball's meridian by which it may be held."""
-        raise NotImplementedError
-
-    @property
-    def corners(self) -> list[tuple[float, float]]:
-        """Places (r, z) in the meridian at which stresses may have no bound, over the radius."""
-        return []
-
-    @property
-    def lowest(self) -> float:
-        """Height z in the ball, over its radius, above which its largest stress is sought."""
-        return -1.0
-
-    @property
-    def edge(self) -> float | None:
-        """Polar angle in rad at which stresses on the surface have no bound."""
-        return None
-
-    @property
-    def inside(self) -> float:
-        """Radius over the ball's at which a mesh of concentric rings ends."""
-        return 0.0
-
-    def through(self, points: Floats) -> Floats:
-        """Points (r, z) of the ball's meridian from those of a mesh of concentric rings."""
-        return points
-
-    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:
-        """Whether places (r, z) are on what holds a whole ball inside it."""
-        return np.zeros(len(r), bool)
-
-    def in_ball(self, radius: float) -> "BallSupport":
-        """The support relative to the radius of a ball, which is given in m."""
+    def in_ball(self, ball_radius: float | None) -> "BallSupport":
+        """The support of a ball with a radius in m, or without dimensions."""
         return self
 
 
-class _Plate(BallSupport):
-    """A plate at the equatorial plane, which moves half a ball along the axis."""
-
-    is_half, largest_opening, surface, meridian = True, 90.0, (0.0, 90.0), (0.0, 90.0)
-    corners: ClassVar[list[tuple[float, float]]] = [(1.0, 0.0)]
-    lowest = HEIGHT
-    boundaries: ClassVar[dict[str, Boundary]] = {"equator": (0, 1, np.pi / 2, np.pi / 2)}
-
-
-class GuidedPlate(_Plate):
-    """A plate on which the equatorial plane can slide."""
-
-    word, held, is_symmetric = "guided", {"equator": "z"}, True
+HALF = Outline(
+    held=(0, 1, np.pi / 2, np.pi / 2),
+    surface=(0.0, 90.0),
+    meridian=(0.0, 90.0),
+    largest_opening=90.0,
+    corners=((1.0, 0.0),),
+    lowest=HEIGHT,
+)
+"""Outline of half a ball, which is moved by a plate at its equatorial plane."""
 
 
-class ClampedPlate(_Plate):
+class GuidedPlate(BallSupport):
+    """A plate that moves the equatorial plane along the axis and on which this plane can slide."""
+
+    word, held, outline, is_half, is_symmetric = "guided", {"equator": "z"}, HALF, True, True
+
+
+class ClampedPlate(BallSupport):
     """A plate to which the equatorial plane is clamped."""
 
-    word, held = "clamped", {"equator": "rz"}
+    word, held, outline, is_half = "clamped", {"equator": "rz"}, HALF, True
 
 
 @dataclass(frozen=True)
@@ -145,18 +120,12 @@ class Core(BallSupport):
         ..., "radius of the core divided by that of the ball", least=0.05, most=0.8
     )
 
-    word, held, is_symmetric, surface = "core", {"core": "rz"}, True, (0.0, 172.0)
+    word, held, is_symmetric = "core", {"core": "rz"}, True
 
     @property
-    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
-        return {"core": (self.radius, self.radius, 0, np.pi)}
-
-    @property
-    def inside(self) -> float:  # noqa: D102
-        return self.radius
-
-    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:  # noqa: D102
-        return np.abs(np.hypot(r, z) - self.radius) < ON
+    def outline(self) -> Outline:  # noqa: D102
+        held = (self.radius, self.radius, 0, np.pi)
+        return Outline(held, surface=(0.0, 172.0), core=self.radius)
 
 
 @dataclass(frozen=True)
@@ -168,28 +137,18 @@ class Neck(BallSupport):
     word, held = "neck", {"neck": "rz"}
 
     @property
-    def largest_opening(self) -> float:  # noqa: D102
-        return 180.0 - self.half_angle - CLEAR
-
-    @property
-    def surface(self) -> tuple[float, float]:  # noqa: D102
-        return 0.0, 180.0 - self.half_angle
-
-    @property
-    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
-        return {"neck": (1, 1, self.edge, np.pi)}
-
-    @property
-    def corners(self) -> list[tuple[float, float]]:  # noqa: D102
-        return [(float(np.sin(self.edge)), float(np.cos(self.edge)))]
-
-    @property
-    def lowest(self) -> float:  # noqa: D102
-        return float(np.cos(self.edge)) / 2
-
-    @property
-    def edge(self) -> float:  # noqa: D102
-        return np.pi - np.radians(self.half_angle)
+    def outline(self) -> Outline:  # noqa: D102
+        last = 180.0 - self.half_angle
+        edge = np.pi - np.radians(self.half_angle)
+        r, z = float(np.sin(edge)), float(np.cos(edge))
+        return Outline(
+            held=(1, 1, edge, np.pi),
+            surface=(0.0, last),
+            largest_opening=last - CLEAR,
+            corners=((r, z),),
+            lowest=z / 2,
+            edge=edge,
+        )
 
 
 @dataclass(frozen=True)
@@ -207,7 +166,7 @@ class Bore(BallSupport):
         most=80,
     )
 
-    word, held, is_symmetric, inside = "bore", {"bore": "rz"}, True, 0.5
+    word, held, is_symmetric = "bore", {"bore": "rz"}, True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -220,37 +179,16 @@ class Bore(BallSupport):
             )
 
     @property
-    def surface(self) -> tuple[float, float]:  # noqa: D102
-        return self.face, 180.0 - self.face
-
-    @property
-    def meridian(self) -> tuple[float, float]:  # noqa: D102
-        return self.surface
-
-    @property
-    def bore(self) -> float:  # noqa: D102
-        return self.radius
-
-    @property
-    def boundaries(self) -> dict[str, Boundary]:  # noqa: D102
-        return {"bore": (0.5, 0.5, 0, np.pi)}  # in the polar coordinates of `through`
-
-    @property
-    def corners(self) -> list[tuple[float, float]]:  # noqa: D102
+    def outline(self) -> Outline:  # noqa: D102
+        between = self.face, 180.0 - self.face
         edge, height = np.sin(np.radians(self.face)), np.cos(np.radians(self.face))
-        return [(r, side * height) for r in (self.radius, edge) for side in (1, -1)]
-
-    def through(self, points: Floats) -> Floats:
-        """Points (r, z) of the bored ball from those of a shell with radii from 0.5 to 1.
-
-        A ray of the shell becomes a line at one height, from the ball's surface to the bore.
-        """
-        radius, angle = np.hypot(*points), np.arctan2(*points)
-        share = 2 * radius - 1
-        return np.array([self.radius + share * (np.sin(angle) - self.radius), np.cos(angle)])
-
-    def holds(self, r: Floats, z: Floats) -> NDArray[np.bool_]:  # noqa: D102
-        return np.abs(r - self.radius) < ON
+        return Outline(
+            held=(0.5, 0.5, 0, np.pi),  # before `study.joint.meridian` bends the mesh to the bore
+            surface=between,
+            meridian=between,
+            corners=[(r, side * height) for r in (self.radius, edge) for side in (1, -1)],
+            bore=self.radius,
+        )
 
 
 @dataclass(frozen=True)
@@ -260,20 +198,25 @@ class Pin(BallSupport):
     radius: float = parameter(..., "radius of the pin", "m", above=0)
     width: float = parameter(..., "width of the ball between its faces", "m", above=0)
 
-    word, held, needs_dimensions = "pin", {"bore": "rz"}, True
+    word, held = "pin", {"bore": "rz"}
 
-    def in_ball(self, radius: float) -> Bore:
-        """The bore of a ball of a radius in m."""
-        checks.number("width of the ball", self.width, "m", below=2 * radius)
-        face = float(np.degrees(np.arccos(self.width / 2 / radius)))
-        largest = np.sqrt(radius**2 - self.width**2 / 4) - WALL * radius
+    def in_ball(self, ball_radius: float | None) -> Bore:  # noqa: D102
+        if ball_radius is None:
+            raise checks.RangeError(
+                "ball_support pin requires a joint with dimensions; without dimensions use "
+                "bore:RADIUS,ANGLE, where RADIUS is the radius of the bore divided by that of "
+                "the ball and ANGLE the polar angle of the edges of its faces in deg"
+            )
+        checks.number("width of the ball", self.width, "m", below=2 * ball_radius)
+        face = float(np.degrees(np.arccos(self.width / 2 / ball_radius)))
+        largest = np.sqrt(ball_radius**2 - self.width**2 / 4) - WALL * ball_radius
         if self.radius > largest:
             raise checks.RangeError(
                 f"radius of the pin must be <= {largest:.4g} m in a ball with a radius of "
-                f"{radius:.4g} m and a width of {self.width:g} m, got {self.radius:g} m; give "
+                f"{ball_radius:.4g} m and a width of {self.width:g} m, got {self.radius:g} m; give "
                 "a thinner pin or a narrower ball"
             )
-        return Bore(self.radius / radius, face)
+        return Bore(self.radius / ball_radius, face)
 
 
 @dataclass(frozen=True)

@@ -203,9 +203,12 @@ def of_ball(ball: Ball, beyond: float, resolution: int) -> Surface:
 
     A bored ball has nodes over its whole surface, because its mesh ends at the faces.
     """
-    (angles, around), (first, last) = _angles(ball.opening, resolution), ball.support.surface
+    (angles, around), (first, last) = (
+        _angles(ball.opening, resolution),
+        ball.support.outline.surface,
+    )
     step = np.degrees(angles[1] - angles[0])
-    if ball.support.bore > 0:
+    if ball.support.outline.bore:
         elements = 8 * int(np.ceil((last - first) / step / 8))
         return _surface(
             ball, np.radians(np.linspace(first, last, elements + 1)), around, resolution

@@ -117,7 +117,7 @@ def _checked(joint, asked, tilt, resolution):
             "ball_support under a tilted load must be core:NUMBER, neck:NUMBER, bore:NUMBER,NUMBER "
             f"or pin:NUMBER,NUMBER, which hold a whole ball, got {support}"
         )
-    least = support.surface[0] if opening.is_ring else 0.0
+    least = support.outline.surface[0] if opening.is_ring else 0.0
     name = f"first angle of opening with ball_support {support}"
     checks.number(name, opening.first, "deg", least=least)
     tilts = np.atleast_1d(checks.number("tilt", tilt, "deg", least=0, most=LARGEST_TILT))

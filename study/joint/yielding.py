@@ -26,15 +26,7 @@ _DEEP = 0.05  # a joint is solved to this depth even where less is asked for
 
 @dataclass(frozen=True)
 class FirstYield:
-    """First yield of a joint as its load increases.
-
-    Attributes
-    ----------
-    body, place
-        Body that yields first, and where, as in `largest`.
-    depth_star, force_star
-        Normalised penetration depth d/dR and force P/(E* dR^2) at first yield.
-    """
+    """Body that yields first, where (as in `LargestStress`), and normalised depth and force."""
 
     body: str
     place: str
@@ -43,10 +35,7 @@ class FirstYield:
 
 
 class StressOverDepth(NamedTuple):
-    """Largest von Mises stress in one body over the depth: arrays of shape (k,).
-
-    Depth over dR, force over E* dR^2, the stress in E* dR/R2, and the place of `LargestStress`.
-    """
+    """Largest von Mises stress in one body over the depth, as in `LargestStress`; shape (k,)."""
 
     depth_star: Floats
     force_star: Floats
@@ -77,8 +66,7 @@ def first_yield(joint: Joint, depth_star: float = 1.0) -> FirstYield | None:
 
     Examples
     --------
-    >>> from study.contact import Material
-    >>> from study.joint import Joint
+    >>> from study.joint import Joint, Material
     >>> ball, socket = Material(yield_stress=5e8), Material()
     >>> first = first_yield(Joint.from_ratios(50, ball=ball, socket=socket), 0.3)
     >>> first.body, first.place, round(first.depth_star, 3)
@@ -132,10 +120,7 @@ def first_crossing(
 
 @lru_cache(maxsize=8)
 def over_depth(joint: Joint, deepest: float = 1.0) -> dict[str, StressOverDepth]:
-    """Largest von Mises stress in each body from small depths to ``deepest`` or somewhat beyond.
-
-    Depths are those of `study.joint.Joint.curve`.
-    """
+    """Largest von Mises stress in each body, at the depths of `study.joint.Joint.curve`."""
     deepest = max(deepest, min(_DEEP, largest_depth(joint.r2_star) / 2))
     curve = joint.curve(deepest, stresses=True)
     return {

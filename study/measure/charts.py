@@ -24,8 +24,9 @@ import pandas as pd
 from study.compiled import compiled
 from study.contact import LAWS, DimensionalLaw, stiffening
 from study.contact.forces import elastic_force
-from study.joint import Joint, Solver, kinematics, modes, reference_joint, series, table
+from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
+from study.joint.joint import table_of
 from study.measure import explicit, flexible, timing
 from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import events, paper_scene, simulate, stepping
@@ -98,7 +99,7 @@ def _first_force(bodies_too=False):
 
 def _made(kind):
     """A law of the reference joint, whose bodies may be known, but not the law."""
-    table.checked.cache_clear()
+    table_of.cache_clear()
     stiffening._in_r2_star.cache_clear()
     return kind.of(REFERENCE)
 

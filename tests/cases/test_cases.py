@@ -74,7 +74,7 @@ def test_a_joint_without_loads_is_a_curve():
     assert "power_exponent" not in joints.solve({"r2_star": 50})
     columns = joints.solve({"r2_star": 50, "power_law": "yes"})
     assert columns["force_star"] == pytest.approx(joint.curve().force_star)
-    assert columns["power_exponent"][0] == pytest.approx(joint.power_fit().exponent)
+    assert columns["power_exponent"][0] == pytest.approx(joint.power_law().exponent)
 
 
 def test_the_tilt_of_a_force_and_that_of_its_displacement_are_two_columns():

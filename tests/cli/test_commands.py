@@ -89,7 +89,7 @@ def test_off_the_axis_the_power_law_is_added_on_request(table):
     words += ["--depth-star", "0.2"]
     assert "power_exponent" not in table(*words)
     core = Joint.from_ratios(100, ball_support="core:0.3", rim="free")
-    fit = core.power_fit((0.1, 0.4), 20)
+    fit = core.power_law((0.1e-2, 0.4e-2), 20)
     assert table(*words, "--power-law").power_exponent[0] == pytest.approx(fit.exponent)
 
 

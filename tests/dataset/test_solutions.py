@@ -5,7 +5,7 @@ import pytest
 
 from study.contact import Material
 from study.dataset import solutions, store
-from study.joint import Joint, reference_joint, stress
+from study.joint import Joint, reference_joint, yielding
 
 
 @pytest.fixture
@@ -37,9 +37,9 @@ def test_stresses_are_those_of_the_library():
     bodies = {body: Material(yield_stress=of) for body, of in (("ball", 1e9), ("socket", 5e8))}
     joint = Joint.from_ratios(123.4, 1.4, **bodies)
     kept = solutions.stress_over_depth(joint)
-    first = stress.first_crossing(joint, kept, 1.0)
-    assert first.body == stress.first_yield(joint).body
-    assert first.depth_star == pytest.approx(stress.first_yield(joint).depth_star, rel=1e-6)
+    first = yielding.first_crossing(joint, kept, 1.0)
+    assert first.body == yielding.first_yield(joint).body
+    assert first.depth_star == pytest.approx(yielding.first_yield(joint).depth_star, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from helpers.programs import needs_compiler, needs_octave
 from scipy.interpolate import CubicSpline
 
 from study.contact import LAWS, Steuermann, Table
-from study.contact.power_fit import USUAL_RANGE
+from study.contact.power_fit import DEPTHS, USUAL_RANGE, fit_power
 from study.export import DIMENSIONLESS, SUFFIXES, export
 from study.joint import Joint, Layer, Material
 
@@ -141,7 +141,9 @@ def test_csv_is_the_law_at_its_depths_and_says_how_to_interpolate(law, deepest):
     depth = table.depth_star.to_numpy()
     assert depth[[0, -1]].tolist() == [0, last]
     if law == "power":  # fitted over the range of the export
-        fit = PLAIN.power_fit((deepest / 10, deepest) if deepest else USUAL_RANGE)
+        low, high = (deepest / 10, deepest) if deepest else USUAL_RANGE
+        places = np.geomspace(low, high, DEPTHS)
+        fit = fit_power(places, PLAIN.table()(places))
         force, least = fit.coefficient * depth**fit.exponent, last / 10
         exact = lambda d: fit.coefficient * d**fit.exponent  # noqa: E731
     else:

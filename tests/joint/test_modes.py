@@ -28,8 +28,8 @@ OF_BODIES = pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def meshed(body, count=32):
     """A body on a surface of equal elements, as off the axis."""
     first, last = body.opening.first, body.opening.last
-    if isinstance(body, Ball) and body.support.bore:
-        first, last = body.support.surface
+    if isinstance(body, Ball) and body.support.outline.bore:
+        first, last = body.support.outline.surface
     return modes.made(body, np.radians(np.linspace(first, last, count + 1)), 0.1 * count)
 
 
