@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from study import contact, paths
 from study.checks import RangeError
-from study.joint import Joint, Layer, Material, UnresolvedError, axial, modes, series
+from study.joint import Joint, Layer, Material, UnresolvedError, axial, kinematics, modes, series
 from study.joint.compliance import Ball, HatFunctions, Socket
 from study.joint.supports import RIMS
 
@@ -168,6 +168,17 @@ def test_gap_and_pressure_are_complementary():
         assert (pressure >= 0).all()
         assert gap.min() > -1e-9 * scale
         assert np.abs(gap * pressure).max() < 1e-9 * scale * pressure.max()
+
+
+def test_area_of_contact_and_pressure_on_the_socket_are_those_of_facing_areas():
+    joint = Joint.from_ratios(10)  # terms of order 1/R2* are large
+    found = joint.solve(depth_star=0.9)
+    cap = 2 * np.pi * (1 - np.cos(np.radians(found.contact_half_angle_deg)))
+    assert found.contact_area_star == pytest.approx(0.9**2 * cap, rel=1e-9)
+    angles, of_ball = np.radians(found.angle_deg), found.pressure_star
+    on_socket = kinematics.socket_pressure(joint, found.depth_star, angles, of_ball)
+    areas = HatFunctions(angles).integrate(np.ones_like)
+    assert on_socket @ areas == pytest.approx(0.9**2 * of_ball @ areas, rel=2e-3)
 
 
 @pytest.mark.parametrize("solver", ["series", "quadratic"])
