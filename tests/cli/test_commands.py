@@ -22,7 +22,7 @@ from study.joint import Joint
 SIZED = ["--socket-radius", "12.5mm", "--clearance", "40um", "--wall", "6mm", "--socket", "bronze"]
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 CURVE = str(paths.ROOT / "examples/fit_your_curve.csv")
-OF_DATA = [f"data {name}" for name in data.COMMANDS]
+OF_DATA = [f"data {name}" for name in data.data_command.commands]
 
 
 @pytest.fixture
