@@ -13,6 +13,7 @@ import os
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 from pathlib import Path
 from string import ascii_lowercase
@@ -32,7 +33,6 @@ from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
 from study import checks, paths
-from study.pages import catalogue
 
 WIDEST = 8.4
 """Largest width of a figure, in inches."""
@@ -93,7 +93,6 @@ MODEL_LOOKS = _looks("model")
 METHOD_LOOKS = _looks("method")
 """Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
-_SAID: set[Path] = set()
 _style = ExitStack()  # entered by `new`, left by `save`
 
 
@@ -177,16 +176,15 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     """Write ``name.png``, what it draws to ``name.csv``, and show the image.
 
     A job of the workflow collects both in ``build/results``. In a notebook that is run in another
-    way, they are written to a folder in ``build/scratch``, which is said once.
-
-    The texts that overlap are named in the metadata of the image, where a test looks for them.
+    way, they are written to ``build/scratch``. The texts that overlap are named in the metadata of
+    the image, where a test looks for them.
 
     Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
     what = f"size of the text {least.get_text()!r} in {name}"
     checks.number(what, least.get_fontsize(), "pt", least=SMALLEST)
-    path = _folder(name) / f"{name}.png"
+    path = _folder() / f"{name}.png"
     with _style:
         save_table(numbers, name)
         with paths.whole(path) as temporary:
@@ -197,16 +195,7 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
 
 
 def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
-    """Pairs of texts in a figure whose rectangles overlap by more than `TOUCHING`.
-
-    Examples
-    --------
-    >>> with mpl.rc_context({"axes.grid": False}):
-    ...     figure = Figure()
-    ...     _ = figure.text(0.5, 0.5, "force"), figure.text(0.52, 0.5, "depth")
-    >>> overlapping_texts(figure)
-    [('force', 'depth')]
-    """
+    """Pairs of texts in a figure whose rectangles overlap by more than `TOUCHING`."""
     figure.draw_without_rendering()
     # Matplotlib keeps labels of ticks beyond the ends of an axis, which it does not draw.
     beyond = {
@@ -242,15 +231,16 @@ def _outline(text, margin):
     return MplPath.unit_rectangle().transformed(place)
 
 
-def _folder(name):
+def _folder():
     """Folder for the files of a result: that of the workflow's job, else one for experiments."""
-    if given := os.environ.get(paths.WRITE_VARIABLE):
-        return Path(given)
-    (number,) = {r.notebook[:2] for r in catalogue.results() if r.name == name} or {"others"}
-    folder = paths.BUILD / "scratch" / number
-    if folder not in _SAID:
-        _SAID.add(folder)
-        print(f"This is no run of the workflow: results are written to {paths.shown(folder)}.")
+    given = os.environ.get(paths.WRITE_VARIABLE)
+    return Path(given) if given else _scratch()
+
+
+@cache
+def _scratch():
+    folder = paths.BUILD / "scratch"
+    print(f"This is no run of the workflow: results are written to {paths.shown(folder)}.")
     return folder
 
 
@@ -259,11 +249,6 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
 
     They are in a table, of which texts and whole numbers stay as they are, or a series or array.
     Significant digits are fewer than `DIGITS` where the table is saved with fewer.
-
-    Examples
-    --------
-    >>> as_saved(pd.DataFrame({"force": [100 / 3]}), 3).force[0]
-    33.3
     """
 
     def rounded(value):
@@ -284,7 +269,7 @@ def save_table(table: pd.DataFrame, name: str) -> None:
     if bad.any():
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"all numbers of {name} must be finite, but column {column!r} has others")
-    with paths.whole(_folder(name) / f"{name}.csv") as temporary:
+    with paths.whole(_folder() / f"{name}.csv") as temporary:
         saved = as_saved(table)
         saved.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 

@@ -11,7 +11,7 @@ from study.checks import RangeError
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, reference_joint
 from study.joint.compliance import surface_angles
-from study.measure import explicit, stability, thresholds
+from study.measure import explicit, stability
 from study.mechanism import MechanismError, paper_scene, particles, rigid, stepping
 from study.mechanism.events import stepper
 from study.mechanism.frame import Frame
@@ -194,7 +194,7 @@ def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     def pulls(factor):
         return free_impact(factor, 10.0, 1.0, 0.0)[1] > 1e-9
 
-    onset = thresholds.bisect(pulls, 0.05, 50, 20)
+    onset = stability.bisect(pulls, 0.05, 50, 20)
     assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
     start = (-PAPER.clearance * (1 - 1e-8), 0.0)
     scene = PAPER.replace(initial_eccentricity=start)
