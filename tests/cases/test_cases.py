@@ -126,7 +126,10 @@ def test_a_case_that_fails_is_a_row_with_its_reason(case, reason):
         ("name,wall [mm],force\na,6,\n,,\n", [{"name": "a", "wall": "6mm", "force": ""}]),
         ('wall (mm);force [kN]\n6,5;"3;8,5"\n', [{"wall": "6.5mm", "force": "3kN;8.5kN"}]),
         ("liner;depth\n0.5mm,PTFE;1,5um\n", [{"liner": "0.5mm,PTFE", "depth": "1.5um"}]),
-        ('liner,depth [μm]\n"8mm,UHMWPE;1mm,PTFE",1\n', [{"liner": "8mm,UHMWPE;1mm,PTFE", "depth": "1μm"}]),
+        (
+            'liner,depth [μm]\n"8mm,UHMWPE;1mm,PTFE",1\n',
+            [{"liner": "8mm,UHMWPE;1mm,PTFE", "depth": "1μm"}],
+        ),
         ("\ufeffwall\theat [K]\n6mm\t293,1\n", [{"wall": "6mm", "heat [K]": "293,1"}]),
     ],
 )
