@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from study import contact
-from study.contact import stiffening
 from study.joint import Joint, modes, series, table, tilted
 from study.joint.compliance import Ball, Socket
 from study.joint.supports import Core
@@ -65,14 +64,6 @@ def test_table_of_a_joint(benchmark, bodies):
         return table.checked(JOINT)
 
     benchmark.pedantic(new, rounds=10, warmup_rounds=1)
-
-
-def test_look_up_of_a_joint(benchmark):
-    def look_up():
-        stiffening._in_r2_star.cache_clear()
-        return contact.StiffenedHertz.of(JOINT)
-
-    benchmark(look_up)
 
 
 @pytest.mark.parametrize("law", contact.LAWS)

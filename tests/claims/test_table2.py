@@ -106,16 +106,6 @@ def test_the_papers_table_alone():
     assert needed.drop("21 depths, disc").min() > 50
 
 
-def test_of_the_lists_of_depths_two_survive():
-    table = pd.read_csv(paths.FIGURES / "table_alone_samples.csv")
-    table = table[table.law != "sphere"]
-    good = table[table.disagreement_percent.abs() < 0.05]
-    assert set(good.sampling + " " + good.adjustment_factor) == {"21, from 0 1", "20, from 0 19/18"}
-    assert len(good) == 4
-    rest = table.drop(good.index)
-    assert (rest.disagreement_percent.abs() - rest.uncertainty_percent).min() > 0.5
-
-
 @pytest.fixture(scope="module")
 def scans():
     """Scans of two set-ups, of which the first made the table in the tests below."""

@@ -53,7 +53,10 @@ WRONG = [
     ("data show --r2-star 7", "r2_star must be one that study data show lists, got 7.0"),
     ("data check --sample 0", "sample must be >= 1, got 0"),
     ("run -p r2_star=100", "-p and --accept must be given with a NAME"),
-    ("run fig10 -p size=1", "must be one of"),
+    ("run fig10 -p size=1", "parameter of 03-force-against-depth must be one of r2_star"),
+    ("run fig10 -p r2_star", "-p must be KEY=VALUE, got 'r2_star'"),
+    ("run fig10 -p r2_star=9 --accept", "-p cannot be used together with --accept or words"),
+    ("run fig10 -p r2_star=9 -- -n", "-p cannot be used together with --accept or words"),
     ("list fig1", "NAME must be a notebook or result that study list shows, got fig1"),
     ("walk", "No such command 'walk'"),
 ]

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.image import imread
 from PIL import Image
 
 from study import paths
@@ -58,19 +57,17 @@ def test_pressure_ends_steeply_and_adds_up_to_the_force(depth):
     assert total == pytest.approx(force[depth], rel=0.002)
 
 
-def test_arrows_of_the_flat_foundation_add_up_to_winkler():
+def test_arrows_add_up_to_the_laws():
+    """Of the flat foundation, and along the arc: K d/h on rings of a disc, in E* dR/R2."""
     x, share = panel("fig04", "a")["pressure"]
     coefficient = Winkler()(1.0, R2_STAR)  # pi R/h, with R = R1 R2/dR
-    peak = DEPTH_STAR * coefficient / (np.pi * (R2_STAR - 1))  # K d/h in E* dR/R2
+    peak = DEPTH_STAR * coefficient / (np.pi * (R2_STAR - 1))
     total = R2_STAR * peak * np.sum(np.pi * np.abs(x) * share) * np.diff(x)[0]
     assert total == pytest.approx(Winkler()(DEPTH_STAR, R2_STAR), rel=0.01)
-
-
-def test_arrows_along_the_arc_add_up_to_the_law():
     theta, share = panel("fig06", "a")["pressure"]
     coefficient = HyperbolicWinkler().parts(R2_STAR).scale  # pi R2^2/(h dR)
     peak = DEPTH_STAR * coefficient / (np.pi * R2_STAR)
-    rings = np.pi * np.abs(theta) * np.diff(theta)[0]  # of a disc
+    rings = np.pi * np.abs(theta) * np.diff(theta)[0]
     total = R2_STAR * peak * np.sum(rings * share * np.cos(theta))
     assert total == pytest.approx(HyperbolicWinkler()(DEPTH_STAR, R2_STAR), rel=0.01)
 
@@ -153,14 +150,10 @@ def test_what_is_saved_is_what_was_rounded(tmp_path, monkeypatch):
     assert figures.as_saved([]) == []
 
 
-def test_a_figure_too_wide_for_print_is_refused():
-    figures.new(columns=3, width=figures.WIDEST / 3)
+@pytest.mark.parametrize("place", ["legend", "ticks", "text"])
+def test_what_is_too_wide_or_too_small_for_print_is_an_error(place, tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"width of the figure must be .*8\.4 in, got 8\.7"):
         figures.new(columns=3, width=2.9)
-
-
-@pytest.mark.parametrize("place", ["legend", "ticks", "text"])
-def test_text_too_small_for_print_is_refused(place, tmp_path, monkeypatch):
     monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
     figure, axes = figures.new()
     axes.plot([0, 1], label="law $R_2^*$")
@@ -172,11 +165,12 @@ def test_text_too_small_for_print_is_refused(place, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_every_kept_figure_is_readable_in_print():
-    widths = {path.stem: imread(path).shape[1] for path in paths.FIGURES.glob("*.png")}
+def test_every_kept_figure_is_readable_in_print_and_has_no_overlapping_texts():
+    images = {path.stem: Image.open(path) for path in paths.FIGURES.glob("*.png")}
     widest = figures.WIDEST * figures.STYLE["savefig.dpi"]
-    assert widths
-    assert not {name for name, width in widths.items() if width > widest}
+    assert images
+    assert not {name for name, image in images.items() if image.width > widest}
+    assert not {name for name, image in images.items() if figures.OVERLAP in image.info}
 
 
 def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_path):
@@ -191,13 +185,6 @@ def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_pat
     ]
     with pytest.raises(ValueError, match="all numbers of numbers must be finite"):
         figures.save_numbers("numbers", {"1": {"ratio": np.nan}})
-
-
-def test_no_texts_overlap_in_any_figure():
-    images = sorted(paths.FIGURES.glob("*.png"))
-    assert images
-    overlaps = {i.stem: Image.open(i).info.get(figures.OVERLAP) for i in images}
-    assert {name: texts for name, texts in overlaps.items() if texts} == {}
 
 
 @pytest.mark.parametrize(
