@@ -11,7 +11,6 @@ and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscr
 
 import os
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
@@ -26,9 +25,7 @@ from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.path import Path as MplPath
 from matplotlib.text import Text
-from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
@@ -39,7 +36,7 @@ WIDEST = 8.4
 SMALLEST = 9.0
 """Smallest size of its text, in points."""
 TOUCHING = 1.0
-"""Overlap of the rectangles of two texts that is allowed, in points: letters do not fill them."""
+"""Overlap of the boxes of two texts that is allowed, in points: letters do not fill them."""
 OVERLAP = "Overlapping texts"
 """Key of the image's metadata with the texts that overlap more."""
 DIGITS = 9  # of a number in a saved table
@@ -93,21 +90,17 @@ MODEL_LOOKS = _looks("model")
 METHOD_LOOKS = _looks("method")
 """Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
-_style = ExitStack()  # entered by `new`, left by `save`
-
 
 def new(
     columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.2, **options: Any
 ) -> tuple[Figure, Axes | NDArray[np.object_]]:
-    """Figure and axes in the study's style, which lasts until the figure is saved.
+    """Figure and axes in the study's style, which is that of the session from here on.
 
-    The session's own settings are back after `save`: a figure is drawn between the two. One panel
-    has a width and a height in inches; options are those of ``matplotlib.figure.Figure.subplots``.
-    Raises ``ValueError`` if the panels together are wider than `WIDEST`.
+    One panel has a width and a height in inches; options are those of
+    ``matplotlib.figure.Figure.subplots``. Raises ``ValueError`` if the panels together are wider
+    than `WIDEST`.
     """
     checks.number("width of the figure", columns * width, "in", above=0, most=WIDEST)
-    _style.close()
-    _style.enter_context(mpl.rc_context())
     mpl.rcdefaults()
     mpl.rcParams.update(cast(Any, STYLE))
     figure = Figure(figsize=(columns * width, rows * height))
@@ -185,17 +178,16 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     what = f"size of the text {least.get_text()!r} in {name}"
     checks.number(what, least.get_fontsize(), "pt", least=SMALLEST)
     path = _folder() / f"{name}.png"
-    with _style:
-        save_table(numbers, name)
-        with paths.whole(path) as temporary:
-            pairs = "; ".join(f"{a!r} and {b!r}" for a, b in overlapping_texts(figure))
-            note = {OVERLAP: pairs} if pairs else {}
-            figure.savefig(temporary, metadata={"Software": None} | note)
+    save_table(numbers, name)
+    pairs = "; ".join(f"{a!r} and {b!r}" for a, b in overlapping_texts(figure))
+    note = {OVERLAP: pairs} if pairs else {}
+    with paths.whole(path) as temporary:
+        figure.savefig(temporary, metadata={"Software": None} | note)
     display(Image(path, width=round(72 * figure.get_figwidth())))
 
 
 def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
-    """Pairs of texts in a figure whose rectangles overlap by more than `TOUCHING`."""
+    """Pairs of texts in a figure whose upright boxes overlap by more than `TOUCHING`."""
     figure.draw_without_rendering()
     # Matplotlib keeps labels of ticks beyond the ends of an axis, which it does not draw.
     beyond = {
@@ -211,24 +203,12 @@ def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
         for text in figure.findobj(Text)
         if text.get_visible() and text.get_text().strip() and text not in beyond
     ]
-    outlines = [_outline(text, figure.dpi / 72 * TOUCHING) for text in texts]
+    boxes = [Text.get_window_extent(text).padded(-figure.dpi / 72 * TOUCHING) for text in texts]
     return [
         (a.get_text(), b.get_text())
-        for (a, first), (b, second) in combinations(zip(texts, outlines, strict=True), 2)
-        if first.intersects_path(second)
+        for (a, first), (b, second) in combinations(zip(texts, boxes, strict=True), 2)
+        if first.overlaps(second)
     ]
-
-
-def _outline(text, margin):
-    """Rectangle around a text in pixels, rotated as it is, and smaller by a margin on each side."""
-    box, angle = Text.get_window_extent(text), text.get_rotation()  # upright box around it
-    text.set_rotation(0)
-    size = Text.get_window_extent(text)
-    text.set_rotation(angle)
-    shrunk = np.maximum([size.width - 2 * margin, size.height - 2 * margin], 0.1)
-    centre = [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
-    place = Affine2D().translate(-0.5, -0.5).scale(*shrunk).rotate_deg(angle).translate(*centre)
-    return MplPath.unit_rectangle().transformed(place)
 
 
 def _folder():

@@ -2,7 +2,6 @@
 
 from ast import literal_eval
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
@@ -108,18 +107,6 @@ def test_overview_has_the_reference_joint_and_its_force_in_kilonewtons():
     assert force == pytest.approx(normalised * 200e6 / (2 * 0.91) * 50e-6**2, rel=1e-6)
 
 
-def test_a_figure_leaves_the_settings_of_the_session(tmp_path, monkeypatch):
-    monkeypatch.setenv(paths.WRITE_VARIABLE, str(tmp_path))
-    figures._style.close()  # of figures that other tests have not saved
-    with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 5.0}):
-        before = dict(mpl.rcParams)
-        figure, axes = figures.new()
-        assert axes.plot([0, 1])[0].get_linewidth() == figures.STYLE["lines.linewidth"]
-        figures.save(figure, "fig", pd.DataFrame({"x": [0.0, -0.0]}))
-        assert dict(mpl.rcParams) == before
-    assert (tmp_path / "fig.csv").read_text() == "x\n0\n0\n"
-
-
 @pytest.mark.parametrize("digits", [figures.DIGITS, 3])
 def test_equal_tables_give_equal_pictures(digits, tmp_path, monkeypatch):
     """The digits that are not saved differ, by what is visible on these axes."""
@@ -189,13 +176,7 @@ def test_numbers_for_statements_have_a_row_for_each_reading(monkeypatch, tmp_pat
 
 @pytest.mark.parametrize(
     ("place", "angle", "found"),
-    [
-        ((0.5, 0.5), 0, True),
-        ((0.5, 0.6), 0, False),  # above the other text
-        ((0.5, 0.6), 90, False),
-        ((0.45, 0.45), 30, True),
-        ((0.55, 0.53), 30, False),  # the upright box around the slanted text would overlap
-    ],
+    [((0.5, 0.5), 0, True), ((0.5, 0.6), 0, False), ((0.5, 0.6), 90, False)],
 )
 def test_overlapping_texts_are_found(place, angle, found):
     figure = Figure(figsize=(5, 5))
