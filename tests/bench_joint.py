@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from study import contact
-from study.joint import Joint, modes, series, table, tilted
+from study.joint import Joint, modes, series, table
 from study.joint.compliance import Ball, Socket
-from study.joint.supports import Core
 
 JOINT = Joint.from_ratios(200)
 OFF_AXIS = Joint.from_ratios(200, ball_support="core:0.2")
@@ -25,21 +24,6 @@ def test_bodies(benchmark, solver):
             solver.compliance(body)
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
-
-
-@pytest.mark.parametrize(
-    ("made", "body"),
-    [
-        (tilted.ball_surface, (Ball(support=Core(0.2)), 8.0)),
-        (tilted.socket_surface, (Socket(1.298, rim="free"),)),
-    ],
-    ids=["ball", "socket"],
-)
-def test_a_body_by_fourier_modes(benchmark, made, body):
-    def solved():
-        made.__wrapped__(*body, tilted.RESOLUTION).solve(stresses=False)
-
-    benchmark.pedantic(solved, rounds=3)
 
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
