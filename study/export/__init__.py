@@ -15,7 +15,6 @@ import builtins
 import keyword
 import re
 import textwrap
-import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -171,6 +170,8 @@ def check_name(name: str, form: Format) -> None:
             "name must begin with a letter and consist of at most 63 letters, digits and "
             f"underscores, got {name!r}"
         )
+    import tomllib  # late: only few exports have a name
+
     reserved = {*keyword.kwlist, *dir(builtins)} if form == "exudyn" else set()
     text = Path(__file__).with_name("names.toml").read_text(encoding="utf-8")
     for words in tomllib.loads(text).get(form, {}).values():
