@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import Template
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy
@@ -34,15 +34,7 @@ from study.joint import Joint
 from study.joint.tilted import LARGEST_TILT
 
 Format = Literal["c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco"]
-SUFFIXES: dict[Format, str] = {
-    "c": ".c",
-    "matlab": ".m",
-    "modelica": ".mo",
-    "csv": ".csv",
-    "exudyn": ".py",
-    "adams": ".txt",
-    "mujoco": ".xml",
-}
+FORMATS = get_args(Format)
 DIMENSIONLESS = ("c", "matlab", "csv")
 """Formats that are possible for a joint without dimensions."""
 SHALLOWEST = 0.005
@@ -126,7 +118,7 @@ def export(
 
     .. _Exudyn: https://exudyn.readthedocs.io
     """
-    checks.choice("format", form, SUFFIXES)
+    checks.choice("format", form, FORMATS)
     if isinstance(law, str):
         checks.choice("law", law, LAWS)
     if name is not None:

@@ -79,11 +79,9 @@ def test_the_notebook_depends_on_all_evidence():
     [
         ([101, 99], "=", 100, "reproduced"),
         ([101.1], "=", 100, "contradicted"),
-        ([100, 111], "=", 100, "undecided"),
         ([105, 111], "=", 100, "contradicted"),
         ([95, 111], "=", 100, "undecided"),
         ([-100], "=", -100, "reproduced"),
-        ([150], "<", 100, "contradicted"),
         ([150], ">", 100, "reproduced"),
         ([50, 150], ">", 100, "undecided"),
     ],

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from study.contact import LAWS, Steuermann, Table
 from study.contact.power_fit import USUAL_RANGE
-from study.export import DIMENSIONLESS, SUFFIXES, export
+from study.export import DIMENSIONLESS, FORMATS, export
 from study.joint import Joint, Layer, Material
 
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
@@ -173,7 +173,7 @@ def test_a_table_in_si_units_and_a_short_one_for_a_spline_in_mm():
             export("power", **{"form": "csv", "joint": BRONZE} | more)
 
 
-@pytest.mark.parametrize("form", SUFFIXES)
+@pytest.mark.parametrize("form", FORMATS)
 def test_a_text_has_joint_name_range_error_and_units(form):
     text = export(SUITED.get(form, "power"), form, BRONZE, 0.5, name="left_hip")
     words = re.sub(r"\s+[*%#!/]*\s*", " ", text)
