@@ -35,7 +35,6 @@ WRONG = [
     ("export winkel c --r2-star 50", "'winkel' is not one of"),
     ("export hertz c --r2-star 20 --depth 1um", "depth"),
     ("export power adams --r2-star 50", "must be one of c, matlab, csv, got 'adams'"),
-    ("fit none.csv", "'none.csv' does not exist"),
     ("fit examples/fit_your_curve.csv --r2-star 200", "dimensions"),
     ("simulate --duration -1", "duration must be > 0"),
     ("simulate --clearence 1um", "(Did you mean one of: '--clearance'"),
