@@ -20,15 +20,11 @@ A joint with dimensions, in SI units:
 
 A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2), and its laws:
 
->>> from study import contact
 >>> from study.choose import compare_laws
->>> from study.joint import Layer, Material
->>> joint = Joint.from_ratios(r2_star=75, socket=Material(7e10, 0.33))
->>> solution = joint.solve(depth_star=[0.1, 0.5])
+>>> from study.joint import Material
+>>> solution = Joint.from_ratios(75, socket=Material(7e10, 0.33)).solve(depth_star=[0.1, 0.5])
 >>> print(solution.force_star.round(2), solution.contact_half_angle_deg.round(1))
 [ 6.59 95.69] [21.  44.9]
->>> liner, housing = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
->>> lined = Joint.from_ratios(r2_star=80, layers=(liner, housing)).solve(depth_star=[0.1, 0.5])
 >>> laws = compare_laws(Joint.from_ratios(75, socket_ratio=1.4), deepest=0.5)
 >>> print(laws[laws.error_bound <= 0.02].law.iloc[0])  # the cheapest one
 stiffened_hertz
@@ -41,11 +37,12 @@ The cached curves of the dataset:
 
 The crank-slider with a law by name, a joint with dimensions, or values of a function as its law:
 
+>>> from study.contact import Table
 >>> from study.mechanism import Scene, simulate
 >>> len(simulate(Scene(restitution=0.9), law="hyperbolic_winkler", duration=0.02).impacts)
 12
 >>> depth = np.linspace(0.01, 1, 100) ** 2
->>> mine = contact.Table.of_values(depth, 300 * depth**1.5, r2_star=200)
+>>> mine = Table.of_values(depth, 300 * depth**1.5, r2_star=200)
 >>> response = simulate(law=mine, duration=0.002)
->>> own = simulate(Scene(socket_radius=12.5e-3, clearance=40e-6), law=bronze, duration=0.002)
+>>> response = simulate(Scene(socket_radius=12.5e-3, clearance=40e-6), law=bronze, duration=0.002)
 """

@@ -21,6 +21,15 @@ SOFTEST = 1e5
 GPa is a smaller number, and so is every one in MPa except that of diamond."""
 
 
+LIMITS = {
+    "above": (">", np.greater),
+    "least": (">=", np.greater_equal),
+    "below": ("<", np.less),
+    "most": ("<=", np.less_equal),
+}
+"""Name of a limit -> its sign, and the function that tells which numbers are within it."""
+
+
 class StudyError(RuntimeError):
     """A failure other than wrong input; the message says what failed and how to repair it."""
 
@@ -44,19 +53,12 @@ def intact(file: str) -> Iterator[None]:
 
 
 def number(
-    name: str,
-    value: ArrayLike,
-    unit: str = "",
-    *,
-    above: float | None = None,
-    least: float | None = None,
-    below: float | None = None,
-    most: float | None = None,
-    scalar: bool = False,
+    name: str, value: ArrayLike, unit: str = "", *, scalar: bool = False, **limits: float | None
 ) -> Any:
     """Return ``value``, in ``unit``, as a float, or as an array of floats unless ``scalar``.
 
-    The limits ``above`` and ``below`` are open, ``least`` and ``most`` closed.
+    The ``limits`` are some of `LIMITS`: ``above`` and ``below`` are open, ``least`` and ``most``
+    closed.
 
     Raises
     ------
@@ -73,22 +75,17 @@ def number(
         wanted = "one number" if scalar else "a number"
         raise ValueError(f"{name} must be {wanted}, got {shown(value)}")
     array = array.astype(float)
-    limits = (
-        (">", above, np.greater),
-        (">=", least, np.greater_equal),
-        ("<", below, np.less),
-        ("<=", most, np.less_equal),
-    )
     good, texts = np.isfinite(array), []
-    for sign, limit, within in limits:
+    for of, limit in limits.items():
         if limit is not None:
+            sign, within = LIMITS[of]
             good &= within(array, limit)
             texts.append(f"{sign} {limit:g}")
     if not good.all():
-        worst, of = float(array[~good].flat[0]), f" {unit}" if unit else ""
+        worst, in_unit = float(array[~good].flat[0]), f" {unit}" if unit else ""
         kind = RangeError if math.isfinite(worst) else ValueError
         wanted = " and ".join(texts if kind is RangeError else ["finite", *texts])
-        raise kind(f"{name} must be {wanted}{of if texts else ''}, got {worst:g}{of}")
+        raise kind(f"{name} must be {wanted}{in_unit if texts else ''}, got {worst:g}{in_unit}")
     return float(array) if array.ndim == 0 else array
 
 
@@ -201,10 +198,10 @@ _EXAMPLES = {"m": "5mm", "N": "3kN", "Pa": "110GPa"}
 
 def read_several(name: str, text: str, units: Sequence[str]) -> tuple[float, ...]:
     """Return the numbers that a text states, separated by commas, one of each unit."""
-    parts, count = text.split(","), len(units)
-    if len(parts) != count:
-        forms = {1: "one number", 2: "two numbers separated by a comma"}
-        wanted = forms.get(count, "three numbers separated by commas")
+    parts = text.split(",")
+    if len(parts) != len(units):
+        forms = ("one number", "two numbers separated by a comma")
+        wanted = (*forms, "three numbers separated by commas")[len(units) - 1]
         raise ValueError(f"{name} must be {wanted}, got {text!r}")
     return tuple(read(name, part, unit=unit) for part, unit in zip(parts, units, strict=True))
 

@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from study import contact
-from study.contact import stiffening
-from study.joint import Joint, modes, series, surface
+from study.joint import Joint, modes, series
 from study.joint.compliance import Ball, Socket
 from study.joint.joint import table_of
-from study.joint.supports import Core
 
 JOINT = Joint.from_ratios(200)
 OFF_AXIS = Joint.from_ratios(200, ball_support="core:0.2")
@@ -27,21 +25,6 @@ def test_bodies(benchmark, solver):
             solver.compliance(body)
 
     benchmark.pedantic(both, rounds=5, warmup_rounds=1)
-
-
-@pytest.mark.parametrize(
-    ("made", "body"),
-    [
-        (surface.of_ball, (Ball(support=Core(0.2)), 8.0)),
-        (surface.of_socket, (Socket(1.298, rim="free"),)),
-    ],
-    ids=["ball", "socket"],
-)
-def test_a_body_by_fourier_modes(benchmark, made, body):
-    def solved():
-        made.__wrapped__(*body, 48).solve(stresses=False)
-
-    benchmark.pedantic(solved, rounds=3)
 
 
 @pytest.mark.parametrize("depth", [0.1, 0.5, 1.0])
@@ -66,14 +49,6 @@ def test_table_of_a_joint(benchmark, bodies):
         return JOINT.table()
 
     benchmark.pedantic(new, rounds=10, warmup_rounds=1)
-
-
-def test_look_up_of_a_joint(benchmark):
-    def look_up():
-        stiffening._in_r2_star.cache_clear()
-        return contact.StiffenedHertz.of(JOINT)
-
-    benchmark(look_up)
 
 
 @pytest.mark.parametrize("law", contact.LAWS)

@@ -15,12 +15,11 @@ import builtins
 import keyword
 import re
 import textwrap
-import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import Template
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy
@@ -35,15 +34,7 @@ from study.joint import Joint
 from study.joint.tilted import LARGEST_TILT
 
 Format = Literal["c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco"]
-SUFFIXES: dict[Format, str] = {
-    "c": ".c",
-    "matlab": ".m",
-    "modelica": ".mo",
-    "csv": ".csv",
-    "exudyn": ".py",
-    "adams": ".txt",
-    "mujoco": ".xml",
-}
+FORMATS = get_args(Format)
 DIMENSIONLESS = ("c", "matlab", "csv")
 """Formats that are possible for a joint without dimensions."""
 SHALLOWEST = 0.005
@@ -127,7 +118,7 @@ def export(
 
     .. _Exudyn: https://exudyn.readthedocs.io
     """
-    checks.choice("format", form, SUFFIXES)
+    checks.choice("format", form, FORMATS)
     if isinstance(law, str):
         checks.choice("law", law, LAWS)
     if name is not None:
@@ -171,6 +162,8 @@ def check_name(name: str, form: Format) -> None:
             "name must begin with a letter and consist of at most 63 letters, digits and "
             f"underscores, got {name!r}"
         )
+    import tomllib  # late: only few exports have a name
+
     reserved = {*keyword.kwlist, *dir(builtins)} if form == "exudyn" else set()
     text = Path(__file__).with_name("names.toml").read_text(encoding="utf-8")
     for words in tomllib.loads(text).get(form, {}).values():

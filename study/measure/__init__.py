@@ -3,5 +3,5 @@
 `charts` times laws, elastic solutions (solvers), time integration (steppers) and ``flexible``
 links; `timing` makes and reads the tables of times. Other programs are timed by benchmarks in
 `tests`. `explicit` integrates rigid links by three explicit schemes. `stability` predicts and
-observes the limits of such steps and of impacts, and `thresholds` finds limits by bisection.
+observes the limits of such steps, and finds the limits of other methods by bisection.
 """

@@ -1,18 +1,20 @@
-"""Limits of explicit steps, predicted and observed.
+"""Limits of methods, above all of explicit steps, predicted and observed.
 
 Most limits have a prediction, in closed form or from the linearised equations, and an observed
-value, found by running the method on both sides of it.
+value, found by bisection between a value that works and one that fails.
 """
 
+from collections.abc import Callable, Iterable
 from math import inf, sqrt
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from study.checks import StudyError
 from study.contact.forces import elastic_force
 from study.measure import explicit
 from study.measure.explicit import EX, EY, THETA, packed
-from study.measure.thresholds import bisect
 from study.mechanism import MechanismError, Scene, rigid, simulate
 
 Numbers = NDArray[np.float64]
@@ -113,3 +115,22 @@ def observed_step(
 
     longest = 4 / contact["frequency"]
     return bisect(diverge, 0.1 / (rates + contact["friction_rate"]), longest, 20)
+
+
+def table(rows: Iterable[tuple]) -> pd.DataFrame:
+    """Table of limits: what fails, condition, predicted and observed limit, unit, reported by."""
+    columns = ["what", "condition", "predicted", "observed", "unit", "reported_by"]
+    limits, numbers = pd.DataFrame(rows, columns=columns), ["predicted", "observed"]
+    limits[numbers] = limits[numbers].map(lambda x: x if isinstance(x, str) else f"{x:.3g}")
+    return limits
+
+
+def bisect(fails: Callable[[float], bool], low: float, high: float, times: int = 40) -> float:
+    """Smallest value that fails, from ``low`` to ``high``, both > 0, to 4 digits."""
+    ends = low, high
+    for _ in range(times):
+        middle = sqrt(low * high)
+        low, high = (low, middle) if fails(middle) else (middle, high)
+    if low in ends or high in ends:
+        raise StudyError("no limit was found between {:g} and {:g}".format(*ends))
+    return float(f"{high:.4g}")

@@ -11,8 +11,8 @@ and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscr
 
 import os
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 from pathlib import Path
 from string import ascii_lowercase
@@ -25,21 +25,18 @@ from cycler import cycler
 from IPython.display import Image, display
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.path import Path as MplPath
 from matplotlib.text import Text
-from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike, NDArray
 from pandas.io.formats.style import Styler
 
 from study import checks, paths
-from study.pages import catalogue
 
 WIDEST = 8.4
 """Largest width of a figure, in inches."""
 SMALLEST = 9.0
 """Smallest size of its text, in points."""
 TOUCHING = 1.0
-"""Overlap of the rectangles of two texts that is allowed, in points: letters do not fill them."""
+"""Overlap of the boxes of two texts that is allowed, in points: letters do not fill them."""
 OVERLAP = "Overlapping texts"
 """Key of the image's metadata with the texts that overlap more."""
 DIGITS = 9  # of a number in a saved table
@@ -93,22 +90,17 @@ MODEL_LOOKS = _looks("model")
 METHOD_LOOKS = _looks("method")
 """Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
 
-_SAID: set[Path] = set()
-_style = ExitStack()  # entered by `new`, left by `save`
-
 
 def new(
     columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.2, **options: Any
 ) -> tuple[Figure, Axes | NDArray[np.object_]]:
-    """Figure and axes in the study's style, which lasts until the figure is saved.
+    """Figure and axes in the study's style, which is that of the session from here on.
 
-    The session's own settings are back after `save`: a figure is drawn between the two. One panel
-    has a width and a height in inches; options are those of ``matplotlib.figure.Figure.subplots``.
-    Raises ``ValueError`` if the panels together are wider than `WIDEST`.
+    One panel has a width and a height in inches; options are those of
+    ``matplotlib.figure.Figure.subplots``. Raises ``ValueError`` if the panels together are wider
+    than `WIDEST`.
     """
     checks.number("width of the figure", columns * width, "in", above=0, most=WIDEST)
-    _style.close()
-    _style.enter_context(mpl.rc_context())
     mpl.rcdefaults()
     mpl.rcParams.update(cast(Any, STYLE))
     figure = Figure(figsize=(columns * width, rows * height))
@@ -177,36 +169,25 @@ def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     """Write ``name.png``, what it draws to ``name.csv``, and show the image.
 
     A job of the workflow collects both in ``build/results``. In a notebook that is run in another
-    way, they are written to a folder in ``build/scratch``, which is said once.
-
-    The texts that overlap are named in the metadata of the image, where a test looks for them.
+    way, they are written to ``build/scratch``. The texts that overlap are named in the metadata of
+    the image, where a test looks for them.
 
     Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
     what = f"size of the text {least.get_text()!r} in {name}"
     checks.number(what, least.get_fontsize(), "pt", least=SMALLEST)
-    path = _folder(name) / f"{name}.png"
-    with _style:
-        save_table(numbers, name)
-        with paths.whole(path) as temporary:
-            pairs = "; ".join(f"{a!r} and {b!r}" for a, b in overlapping_texts(figure))
-            note = {OVERLAP: pairs} if pairs else {}
-            figure.savefig(temporary, metadata={"Software": None} | note)
+    path = _folder() / f"{name}.png"
+    save_table(numbers, name)
+    pairs = "; ".join(f"{a!r} and {b!r}" for a, b in overlapping_texts(figure))
+    note = {OVERLAP: pairs} if pairs else {}
+    with paths.whole(path) as temporary:
+        figure.savefig(temporary, metadata={"Software": None} | note)
     display(Image(path, width=round(72 * figure.get_figwidth())))
 
 
 def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
-    """Pairs of texts in a figure whose rectangles overlap by more than `TOUCHING`.
-
-    Examples
-    --------
-    >>> with mpl.rc_context({"axes.grid": False}):
-    ...     figure = Figure()
-    ...     _ = figure.text(0.5, 0.5, "force"), figure.text(0.52, 0.5, "depth")
-    >>> overlapping_texts(figure)
-    [('force', 'depth')]
-    """
+    """Pairs of texts in a figure whose upright boxes overlap by more than `TOUCHING`."""
     figure.draw_without_rendering()
     # Matplotlib keeps labels of ticks beyond the ends of an axis, which it does not draw.
     beyond = {
@@ -222,35 +203,24 @@ def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
         for text in figure.findobj(Text)
         if text.get_visible() and text.get_text().strip() and text not in beyond
     ]
-    outlines = [_outline(text, figure.dpi / 72 * TOUCHING) for text in texts]
+    boxes = [Text.get_window_extent(text).padded(-figure.dpi / 72 * TOUCHING) for text in texts]
     return [
         (a.get_text(), b.get_text())
-        for (a, first), (b, second) in combinations(zip(texts, outlines, strict=True), 2)
-        if first.intersects_path(second)
+        for (a, first), (b, second) in combinations(zip(texts, boxes, strict=True), 2)
+        if first.overlaps(second)
     ]
 
 
-def _outline(text, margin):
-    """Rectangle around a text in pixels, rotated as it is, and smaller by a margin on each side."""
-    box, angle = Text.get_window_extent(text), text.get_rotation()  # upright box around it
-    text.set_rotation(0)
-    size = Text.get_window_extent(text)
-    text.set_rotation(angle)
-    shrunk = np.maximum([size.width - 2 * margin, size.height - 2 * margin], 0.1)
-    centre = [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
-    place = Affine2D().translate(-0.5, -0.5).scale(*shrunk).rotate_deg(angle).translate(*centre)
-    return MplPath.unit_rectangle().transformed(place)
-
-
-def _folder(name):
+def _folder():
     """Folder for the files of a result: that of the workflow's job, else one for experiments."""
-    if given := os.environ.get(paths.WRITE_VARIABLE):
-        return Path(given)
-    (number,) = {r.notebook[:2] for r in catalogue.results() if r.name == name} or {"others"}
-    folder = paths.BUILD / "scratch" / number
-    if folder not in _SAID:
-        _SAID.add(folder)
-        print(f"This is no run of the workflow: results are written to {paths.shown(folder)}.")
+    given = os.environ.get(paths.WRITE_VARIABLE)
+    return Path(given) if given else _scratch()
+
+
+@cache
+def _scratch():
+    folder = paths.BUILD / "scratch"
+    print(f"This is no run of the workflow: results are written to {paths.shown(folder)}.")
     return folder
 
 
@@ -259,11 +229,6 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
 
     They are in a table, of which texts and whole numbers stay as they are, or a series or array.
     Significant digits are fewer than `DIGITS` where the table is saved with fewer.
-
-    Examples
-    --------
-    >>> as_saved(pd.DataFrame({"force": [100 / 3]}), 3).force[0]
-    33.3
     """
 
     def rounded(value):
@@ -284,7 +249,7 @@ def save_table(table: pd.DataFrame, name: str) -> None:
     if bad.any():
         column = numeric.columns[bad.any(axis=0)][0]
         raise ValueError(f"all numbers of {name} must be finite, but column {column!r} has others")
-    with paths.whole(_folder(name) / f"{name}.csv") as temporary:
+    with paths.whole(_folder() / f"{name}.csv") as temporary:
         saved = as_saved(table)
         saved.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 

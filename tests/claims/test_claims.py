@@ -41,15 +41,6 @@ def test_every_bound_of_ours_is_tried_at_half_and_twice():
             assert any(4 * a == pytest.approx(b, rel=0.01) for a, b in shifted), row.claim
 
 
-def test_durations_are_the_same_where_they_are_compared():
-    found = JUDGED.set_index("claim").found
-    readings = [
-        re.findall(r"(\w+, \d+ ms):", found[n]) for n in ("larger_force", "persistent_impacts")
-    ]
-    assert len(readings[0]) == 6
-    assert 2 * readings[0] == [r for r in readings[1] if not r.endswith(" 30 ms")]
-
-
 def test_every_number_of_tables_1_and_2_is_a_claim():
     stated = pd.read_csv(paths.DATA / "published/tables.csv")
     stated = stated[stated["where"].isin(["Table 1", "Table 2"])]
@@ -88,11 +79,9 @@ def test_the_notebook_depends_on_all_evidence():
     [
         ([101, 99], "=", 100, "reproduced"),
         ([101.1], "=", 100, "contradicted"),
-        ([100, 111], "=", 100, "undecided"),
         ([105, 111], "=", 100, "contradicted"),
         ([95, 111], "=", 100, "undecided"),
         ([-100], "=", -100, "reproduced"),
-        ([150], "<", 100, "contradicted"),
         ([150], ">", 100, "reproduced"),
         ([50, 150], ">", 100, "undecided"),
     ],
@@ -166,15 +155,8 @@ def test_a_changed_claim_changes_its_verdict(change, claim, column, value, verdi
     ("column", "value", "message"),
     [
         ("expected", "many", "claims.csv is missing or damaged (could not convert string to float"),
-        ("tolerance", "wide", "claims.csv is missing or damaged (could not convert string to floa"),
         ("expected", "Table 2/hertz/nothing", "claims.csv is missing or damaged (('Table 2', 'he"),
         ("evidence", "nothing", "figures/nothing.csv must have finite numbers in the column value"),
-        (
-            "row",
-            "half",
-            "numbers_00.csv must have finite numbers in the column value of the quanti",
-        ),
-        ("column", "ours", "numbers_00.csv must have finite numbers in the column ours of the qua"),
         ("column", "reading", "make it with: study run numbers_00"),
     ],
 )

@@ -3,8 +3,6 @@
 import json
 import re
 import shlex
-import subprocess
-import sys
 from io import StringIO
 
 import click
@@ -22,7 +20,7 @@ from study.joint import Joint
 SIZED = ["--socket-radius", "12.5mm", "--clearance", "40um", "--wall", "6mm", "--socket", "bronze"]
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 CURVE = str(paths.ROOT / "examples/fit_your_curve.csv")
-OF_DATA = [f"data {name}" for name in data.COMMANDS]
+OF_DATA = [f"data {name}" for name in data.data_command.commands]
 
 
 @pytest.fixture
@@ -51,30 +49,6 @@ def test_every_option_is_explained(output, words):
     assert output(*words.split(), "--help").startswith(f"Usage: study {words}")
     for option in (of for of in command.params if isinstance(of, click.Option)):
         assert re.search(r"\w{3}.*\.$", option.help), option.name
-
-
-def test_the_help_lists_every_command_without_numpy():
-    code = "import sys; from study.cli import main; main(['--help'], standalone_mode=False); "
-    code += "sys.exit('numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0
-    assert all(f"  {name} " in done.stdout for name in COMMANDS)
-
-
-@pytest.mark.parametrize(
-    ("words", "missing"),
-    [
-        ("joint --help", {"numba", "pandas", "matplotlib", "scipy.linalg", "study.mechanism"}),
-        ("joint --r2-star 200 --depth-star 0.1", {"numba", "pandas", "study.mechanism"}),
-        ("export hertz c --r2-star 200", {"numba", "pandas", "study.mechanism"}),
-    ],
-)
-def test_a_command_loads_only_what_it_needs(words, missing):
-    code = "import sys; from study.cli import main; main(sys.argv[2:], standalone_mode=False); "
-    code += "sys.exit(', '.join(set(sys.argv[1].split()) & sys.modules.keys()))"
-    command = [sys.executable, "-c", code, " ".join(missing), *words.split()]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.stderr.strip() == ""
 
 
 def test_joint_is_the_elastic_solution(table, output):

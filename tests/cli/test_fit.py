@@ -33,7 +33,7 @@ BAD = {
     "depth [um],depth [mm],force\n1,1,2": "each column must have a different name",
     "depth,force_star\n1,2": "got depth, force_star",
     "depth,force\n1,2\n2,": "force in row 2 must be a number in N",
-    "depth [um],force\n1um,2": "row 1: depth must be a number without a unit",
+    "depth [um],force\n1um,2": "row 1: depth [um] must be a number, got '1um'",
     "depth,force\n1,nan": "force in row 1 must be finite, got nan",
 }
 

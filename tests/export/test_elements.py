@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from study import paths
-from study.export import SUFFIXES, export
+from study.export import FORMATS, export
 from study.joint import Joint
 
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
@@ -170,4 +170,4 @@ def test_the_page_about_other_programs_shows_what_is_written(run):
     assert out.splitlines()[-1] == shown
     (error,) = re.findall(r"maximum relative error is ([\d.]+) %", page)
     assert float(error) == pytest.approx(100 * stated_error(out))
-    assert all(f"`{form}`" in page or f"`{form}`," in page for form in SUFFIXES)
+    assert all(f"`{form}`" in page or f"`{form}`," in page for form in FORMATS)

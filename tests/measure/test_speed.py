@@ -14,21 +14,17 @@ def rows_of(method, errors, times, called="compiled"):
     return pd.DataFrame(columns)
 
 
-def test_time_at_an_error_follows_a_power_of_it():
-    errors = np.array([1e-9, 1e-3, 1e-5, 1e-7])
-    rows = rows_of("any", errors, 2.0 * errors**-0.2)
-    assert timing.time_at(rows, [1e-4, 1e-8]) == pytest.approx(2.0 * np.array([1e-4, 1e-8]) ** -0.2)
-
-
-def test_a_row_that_is_beaten_does_not_count():
-    rows = rows_of("any", [1e-2, 1e-3, 1e-4, 1e-4], [1.0, 5.0, 4.0, 6.0])
-    assert timing.time_at(rows, [1e-2, 1e-3, 1e-4]) == pytest.approx([1.0, 2.0, 4.0])
-
-
-def test_beyond_the_rows_the_cheapest_serves_for_larger_errors_only():
-    times = timing.time_at(rows_of("any", [1e-3, 1e-5], [1.0, 3.0]), [1.0, 1e-6])
-    assert times[0] == 1.0
-    assert np.isnan(times[1])
+@pytest.mark.parametrize(
+    ("errors", "times", "asked", "expected"),
+    [
+        ([1e-9, 1e-3, 1e-5], [4e3, 4.0, 40.0], [1e-4, 1e-7], [160**0.5, 4e2]),  # on a power
+        ([1e-2, 1e-3, 1e-4, 1e-4], [1, 5, 4, 6], [1e-2, 1e-3, 1e-4], [1, 2, 4]),  # two are beaten
+        ([1e-3, 1e-5], [1.0, 3.0], [1.0, 1e-6], [1.0, np.nan]),  # beyond the rows
+    ],
+)
+def test_time_at_an_error(errors, times, asked, expected):
+    found = timing.time_at(rows_of("any", errors, times), asked)
+    assert found == pytest.approx(expected, nan_ok=True)
 
 
 def test_ratios_are_to_our_stepper():

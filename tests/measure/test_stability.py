@@ -11,7 +11,7 @@ from study.checks import RangeError
 from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, reference_joint
 from study.joint.compliance import surface_angles
-from study.measure import explicit, stability, thresholds
+from study.measure import explicit, stability
 from study.mechanism import MechanismError, paper_scene, particles, rigid, stepping
 from study.mechanism.events import stepper
 from study.mechanism.frame import Frame
@@ -123,11 +123,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
     numbers, p = explicit.packed(scene, "hertz"), scene.constants()
-    (angle, ex, ey), slopes, piece = (
-        state[:3],
-        np.zeros((3, 6)),
-        ContactState(True, 1, np.inf),
-    )
+    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
     rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
@@ -150,16 +146,13 @@ def test_links_limit_the_step_as_predicted():
 
 
 @pytest.mark.parametrize("joint", ["ideal", "clearance"])
-def test_particles_refuse_too_long_a_step_and_unguarded_ones_end_in_an_error(joint):
+def test_particles_take_no_step_that_is_too_long_and_unguarded_ones_end_in_an_error(joint):
     options = {"model": "particles", "joint": joint, "step": 1e-5, "duration": 0.01}
     with pytest.raises(ValueError, match="step must be <= 1.101e-06 s, the .*stability"):
         simulate(**options)
     with pytest.raises(MechanismError, match=r"must stay <= .* stopped at \S+ s .* 1e-05 s"):
         simulate(method="unguarded", **options)
-
-
-def test_unguarded_particles_below_the_limits_are_the_lagged_ones():
-    options = {"model": "particles", "duration": 0.01, "step": 1e-6}
+    options["step"] = 1e-6
     lagged, unguarded = (simulate(method=m, **options) for m in ("lagged", "unguarded"))
     assert lagged.motion.equals(unguarded.motion)
 
@@ -179,14 +172,6 @@ def test_delivered_restitution_is_that_of_an_integrated_impact(rule, power, aske
         assert separation == pytest.approx(asked, abs=1e-7)
 
 
-def test_delivered_restitution_at_its_ends():
-    assert delivered_restitution(0.0) == 1
-    below, above = delivered_restitution(0.99e-6), delivered_restitution(1.01e-6)
-    assert above < below
-    assert below - above == pytest.approx(2 / 3 * 0.02e-6, abs=1e-9)
-    assert delivered_restitution(1e3) == pytest.approx(1e-3, rel=1e-9)
-
-
 def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     assert free_impact(0.3, 1.0, depth=1.0, speed=0.0)[1] == 0
     assert free_impact(100, 1.0, depth=1.0, speed=0.0)[1] == pytest.approx(1, abs=0.01)
@@ -194,7 +179,7 @@ def test_a_slow_contact_that_is_driven_apart_pulls_and_the_response_tells():
     def pulls(factor):
         return free_impact(factor, 10.0, 1.0, 0.0)[1] > 1e-9
 
-    onset = thresholds.bisect(pulls, 0.05, 50, 20)
+    onset = stability.bisect(pulls, 0.05, 50, 20)
     assert onset == pytest.approx(1 / np.sqrt(2 * (0.4 + 10)), rel=0.03)  # undamped
     start = (-PAPER.clearance * (1 - 1e-8), 0.0)
     scene = PAPER.replace(initial_eccentricity=start)
@@ -219,22 +204,17 @@ def test_approach_speeds_go_with_the_root_of_the_moment_down_to_nothing():
 
 @pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
 def test_a_ball_that_starts_almost_in_touch_rests_there(model):
-    reference = simulate(duration=0.003, outputs=30)
+    reference, speeds = simulate(duration=0.003, outputs=30), []
     for gap in (1e-6, 1e-10, 1e-13):
         scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
         r = simulate(scene, model=model, duration=0.003, outputs=30)
-        assert 0 < r.impacts.approach_speed[0] < 1e-5
+        speeds.append(r.impacts.approach_speed[0])
+        assert 0 < speeds[-1] < 1e-5
         assert r.impacts.peak_force.max() < 12
         assert r.energy_error < 1e-5
         assert r.slider_position[-1] == pytest.approx(reference.slider_position[-1], abs=1e-4)
-
-
-def test_grazing_approach_speed_goes_with_the_gap_to_three_quarters():
-    speeds = []
-    for gap in (1e-6, 1e-10):
-        scene = PAPER.replace(initial_eccentricity=(-PAPER.clearance * (1 - gap), 0.0))
-        speeds.append(simulate(scene, duration=0.001, outputs=2).impacts.approach_speed[0])
-    assert speeds[0] / speeds[1] == pytest.approx(1e4**0.75, rel=1e-3)
+    if model == "rigid":  # the speed goes with the gap to three quarters
+        assert speeds[0] / speeds[1] == pytest.approx(1e4**0.75, rel=1e-3)
 
 
 def test_a_gap_lost_in_rounding_is_refused():
@@ -297,9 +277,8 @@ def impact_times(scene, x, duration):
 def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
     calm = [impact_times(PAPER, x, 0.05) for x in (0.0, 1e-9)]
     assert calm[0] == pytest.approx(calm[1], abs=1e-7)
-    first, near, far = (
-        impact_times(PAPER.replace(restitution=0.99), x, 0.06)[:25] for x in (0.0, 1e-11, 1e-9)
-    )
+    lively = PAPER.replace(restitution=0.99)
+    first, near, far = (impact_times(lively, x, 0.06)[:25] for x in (0.0, 1e-11, 1e-9))
     near, far = (np.maximum.accumulate(np.abs(times - first)) for times in (near, far))
     growing = far < 0.05 * np.diff(first, prepend=0.0).min()
     slopes = [
@@ -320,10 +299,7 @@ def test_pivoting_takes_few_steps():
             complementarity.solve(*problem, max_pivots=10)
 
 
-@pytest.mark.parametrize(
-    ("r2_star", "reach"),
-    [(20, 3.623), (200, 6.183)],
-)
+@pytest.mark.parametrize(("r2_star", "reach"), [(20, 3.623), (200, 6.183)])
 def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach):
     assert Joint.from_ratios(r2_star).solve(depth_star=0.999 * reach, resolution=64).force_star > 0
     with pytest.raises(RangeError, match="depth_star must be small enough"):

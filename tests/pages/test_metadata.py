@@ -1,5 +1,6 @@
 """The metadata of the study follow from the catalogue, and its expected numbers are in results."""
 
+import importlib.metadata
 import json
 import re
 
@@ -46,9 +47,10 @@ def test_every_data_file_figure_and_notebook_is_in_the_crate():
     assert sorted(made) == sorted(part for part in parts if part.startswith("figures/"))
 
 
-def test_citation_changelog_and_zenodo_have_the_same_version():
+def test_package_citation_changelog_and_zenodo_have_the_same_version():
     cited = yaml.safe_load((paths.ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     version, date = cited["version"], str(cited["date-released"])
+    assert importlib.metadata.version("spherical-clearance-joint-study") == version
     changes = (paths.ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert f"\n## {version} ({date})\n" in changes
     record = json.loads(metadata.ZENODO.read_text(encoding="utf-8"))

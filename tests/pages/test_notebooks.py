@@ -24,6 +24,7 @@ def test_catalogue_and_folder_agree():
     assert sorted(paths.NOTEBOOKS.glob("*.ipynb")) == [n.path for n in catalogue.CATALOGUE]
     results = [name for n in catalogue.CATALOGUE for name in n.results]
     assert len(results) == len(set(results))
+    assert all({*n.reads} <= {*results} - {*n.results} for n in catalogue.CATALOGUE)
 
 
 def test_every_figure_tells_one_sentence_without_numbers():
@@ -46,6 +47,7 @@ def test_notebooks_are_stripped():
 def test_cells_load_call_and_show(notebook):
     cells = code_cells(notebook)
     assert sum("parameters" in cell.metadata.get("tags", []) for cell in cells) == 1
+    assert all(meaning for _, meaning in build.parameters(notebook).values())
     for cell in cells:
         assert cell.source.count("\n") < 15
         assert max(map(len, cell.source.splitlines())) <= 120
@@ -85,45 +87,16 @@ def test_first_cell_asks_and_names_the_rendered_page(notebook):
     assert f"\nRendered with its results: {page}." in first.source
 
 
-@every_notebook
-def test_parameters_are_documented(notebook):
-    found = build.parameters(notebook)
-    assert found
-    assert all(meaning for _, meaning in found.values())
-
-
 def test_results_and_notebooks_select_notebooks():
     selected = catalogue.select(["table2", "fig11", "02-coefficient-over-socket-radius"])
     assert [n.name[:2] for n in selected] == ["02", "04"]
     assert catalogue.select([]) == list(catalogue.CATALOGUE)
-    with pytest.raises(ValueError, match="got fig1: try fig"):
-        catalogue.select(["fig1"])
 
 
-def test_parameters_are_literals_or_words_and_known():
+def test_parameters_are_literals_or_words():
     (notebook,) = catalogue.select(["fig10"])
-    assert build.given(notebook, ["r2_star=100", "kinematics=small", "shallow=[0.01]"]) == {
-        "r2_star": 100,
-        "kinematics": "small",
-        "shallow": [0.01],
-    }
-    with pytest.raises(ValueError, match="parameter of 03-.* must be one of r2_star, kinematics, "):
-        build.given(notebook, ["r2star=100"])
-    with pytest.raises(ValueError, match="-p must be KEY=VALUE, got 'r2_star'"):
-        build.given(notebook, ["r2_star"])
-
-
-def test_a_folder_for_other_parameters_has_a_name_that_file_systems_take():
-    name = build.folder_with(["shallow=[0.01, 0.02]", "r2_star=100", "kinematics=a/b:c"]).name
-    assert name == "kinematics=abc,r2_star=100,shallow=0.01,0.02"
-    long = [build.folder_with([f"levels={[n] * 99}"]).name for n in (1, 2)]
-    assert max(map(len, long)) < 120
-    assert long[0] != long[1]
-
-
-def test_a_notebook_comes_after_those_it_reads_from():
-    made = {name for nb in catalogue.CATALOGUE for name in nb.results}
-    assert all(set(nb.reads) <= made - set(nb.results) for nb in catalogue.CATALOGUE)
+    found = build.given(notebook, ["r2_star=100", "kinematics=small", "shallow=[0.01]"])
+    assert found == {"r2_star": 100, "kinematics": "small", "shallow": [0.01]}
 
 
 def test_no_result_depends_on_what_the_workflow_leaves_out():

@@ -6,20 +6,8 @@ import sys
 import pytest
 
 HEAVY = {"numba", "pandas", "skfem", "matplotlib"}
-
-
-LIST = """
-import contextlib, io
-from study import cli
-with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())):
-    cli.main(["list"], standalone_mode=False)
-"""
-
-
-def loaded(code):
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split()
+OF_COMMANDS = HEAVY | {"snakemake", "sqlalchemy", "papermill", "study.mechanism"}
+COMMAND = "from study.cli import main; main({!r}.split(), standalone_mode=False)"
 
 
 @pytest.mark.parametrize(
@@ -28,8 +16,15 @@ def loaded(code):
         ("import study.contact", HEAVY),
         ("from study.mechanism import Scene, simulate", {"skfem", "matplotlib", "study.dataset"}),
         ("from study.joint import Joint, Material", HEAVY),
-        (LIST, {*HEAVY, "snakemake", "sqlalchemy", "scipy", "papermill"}),
+        (COMMAND.format("--help"), {"numpy"}),
+        (COMMAND.format("list"), {*OF_COMMANDS, "scipy"}),
+        (COMMAND.format("joint --help"), {*OF_COMMANDS, "scipy.linalg"}),
+        (COMMAND.format("joint --r2-star 200 --depth-star 0.1"), OF_COMMANDS),
+        (COMMAND.format("export hertz c --r2-star 200"), OF_COMMANDS),
     ],
 )
-def test_an_import_loads_what_it_needs(code, heavy):
-    assert not heavy & set(loaded(f"{code}\nimport sys\nprint(*sys.modules)"))
+def test_an_import_or_a_command_loads_what_it_needs(code, heavy):
+    code += "\nimport sys\nprint('LOADED', *sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert not heavy & {*done.stdout.split("LOADED ")[1].split()}

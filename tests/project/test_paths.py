@@ -16,13 +16,6 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
     assert [p.name for p in path.parent.iterdir()] == ["table.csv"]
 
 
-def test_an_error_names_the_file_that_is_written(tmp_path):
-    (tmp_path / "file").touch()
-    path = tmp_path / "file/table.csv"  # its folder is a file
-    with pytest.raises(OSError, match="table.csv"), paths.whole(path):
-        pass
-
-
 def test_a_path_is_shown_in_the_project_and_whole_outside_it(tmp_path):
     assert paths.shown(paths.FIGURES / "fig10.png") == "figures/fig10.png"
     assert paths.shown(tmp_path) == tmp_path.as_posix()

@@ -1,7 +1,5 @@
 """The repository as text: the lock, nothing that belongs to one machine only, the map."""
 
-import importlib.metadata
-import json
 import re
 import subprocess
 from pathlib import Path
@@ -60,10 +58,3 @@ def test_hooks_and_the_workflow_of_the_host_use_what_is_locked_and_checked_here(
     assert called == {"setup", "check", "test-all", "reproduce"}
     assert {f"make {name}" for name in called - {"setup"}} <= set(text(".ci/run").splitlines())
     assert all(f"\n{name}:" in text("Makefile") for name in called)
-
-
-def test_the_version_is_in_one_place():
-    text = (paths.ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    version = re.search(r"^version: (.+)$", text, re.M)[1]
-    assert importlib.metadata.version("spherical-clearance-joint-study") == version
-    assert json.loads((paths.ROOT / ".zenodo.json").read_text())["version"] == version

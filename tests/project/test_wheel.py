@@ -16,20 +16,6 @@ from study import paths
 
 pytestmark = pytest.mark.slow
 
-LIBRARY = """
-import study
-from study import contact, export
-from study.joint import Joint, Material
-from study.mechanism import Scene, simulate
-
-joint = Joint.from_ratios(75, socket=Material(7e10, 0.33))
-print(study.__file__)
-print(joint.law("stiffened_hertz").law(0.3))
-print(joint.solve(depth_star=0.5).force_star)
-print(simulate(Scene(restitution=0.9), duration=1e-3, outputs=2).slider_position[-1])
-print(len(export.export("tabulated", "csv", joint)))
-"""
-
 SEVERAL = """
 import json, sys
 from io import BytesIO, TextIOWrapper
@@ -50,7 +36,7 @@ for words in commands:
         sys.stdout.flush(), sys.stderr.flush()
         texts = [stream.buffer.getvalue().decode() for stream in (sys.stdout, sys.stderr)]
         done.append((stop.code, *texts))
-print(json.dumps(done), file=shown)
+print(json.dumps([cli.__file__, done]), file=shown)
 """
 """Several command lines in one process, as if some packages were not installed."""
 
@@ -69,33 +55,22 @@ def installed(tmp_path_factory):
     return folder
 
 
-def run(installed, *words, given="", **more):
-    """Run Python from another folder, with a cache folder of its own."""
+def several(installed, commands, blocked):
+    """Run commands from another folder, with a cache folder of their own."""
     (installed / "empty").mkdir(exist_ok=True)
     variables = {"PYTHONPATH": str(installed / "site"), "XDG_CACHE_HOME": str(installed / "cache")}
-    return subprocess.run(
-        [sys.executable, *words],
-        input=given,
+    done = subprocess.run(
+        [sys.executable, "-c", SEVERAL],
+        input=json.dumps([commands, sorted(blocked)]),
         cwd=installed / "empty",
-        env=os.environ | variables | more,
+        env=os.environ | variables,
         capture_output=True,
         text=True,
     )
-
-
-def several(installed, commands, blocked=()):
-    done = run(installed, "-c", SEVERAL, given=json.dumps([commands, sorted(blocked)]))
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
-def test_laws_joints_simulations_and_exports_work(installed):
-    done = run(installed, "-c", LIBRARY)
-    assert done.returncode == 0, done.stderr
-    where, *numbers = done.stdout.splitlines()
-    assert where == str(installed / "site/study/__init__.py")
-    assert len(numbers) == 4
-    assert not (installed / "site/build").exists()
+    where, results = json.loads(done.stdout)
+    assert where == str(installed / "site/study/cli/__init__.py")
+    return results
 
 
 def not_in_the_base():
@@ -144,6 +119,7 @@ def test_a_base_install_has_what_joints_laws_mechanisms_and_exports_need(install
     for words, (status, out, err) in zip(BASE, done, strict=True):
         assert status == 0, (words, err)
         assert out or (installed / "empty/table.csv").is_file()
+    assert not (installed / "site/build").exists()
 
 
 def test_a_command_that_needs_more_than_a_base_install_says_so(installed):
