@@ -113,7 +113,7 @@ def test_joint_forces_and_their_derivatives(depth, rate, sliding):
     normal, by_depth, by_rate, elastic, tangential, by_normal, by_sliding = at(depth, rate, sliding)
     _, stiffness = forces.elastic_force(law, depth)
     assert normal == pytest.approx(elastic * (1 + 6 * rate), rel=1e-12)
-    assert tangential * sliding <= 0 or normal < 0
+    assert tangential * sliding <= 0
     h = 1e-6
     assert by_depth == pytest.approx(stiffness * (1 + 6 * rate), rel=1e-12)
     change = at(depth, rate + h, sliding).normal - at(depth, rate - h, sliding).normal
@@ -121,3 +121,10 @@ def test_joint_forces_and_their_derivatives(depth, rate, sliding):
     change = at(depth, rate, sliding + h).tangential - at(depth, rate, sliding - h).tangential
     assert by_sliding == pytest.approx(change / (2 * h), rel=1e-5, abs=1e-9 * abs(normal))
     assert by_normal * normal == pytest.approx(tangential, abs=1e-12 * abs(normal))
+
+
+def test_there_is_no_friction_while_the_normal_force_pulls():
+    law, sliding = packed("hertz", R1, R2, MODULUS), 2 * V1
+    at = forces.joint_forces(law, 1e-5, -0.5, sliding, 2, 0.1, 0.6, 0.05, V0, V1)
+    assert at.normal < 0 < at.elastic
+    assert (at.tangential, at.tangential_by_normal, at.tangential_by_sliding) == (0, 0, 0)
