@@ -15,7 +15,7 @@ from study.compiled import compiled
 from study.contact import shapes
 from study.contact.shapes import SHAPES, chord, hertz, hyperbolic, liu, power, stiffened, winkler
 
-HERTZ, WINKLER, POWER, CHORD, LIU, HYPERBOLIC, STIFFENED, TABLE = range(len(SHAPES))
+HERTZ, WINKLER, POWER, CHORD, LIU, HYPERBOLIC, STIFFENED, TABLE = range(8)
 """Place of each shape in `SHAPES`."""
 for _shape in (*SHAPES, shapes.cubic):  # a call takes as long as a law: they are inlined
     register_jitable(inline="always")(_shape)

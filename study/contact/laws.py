@@ -1,8 +1,7 @@
 """Force-depth laws of a ball in a socket: one class each, all dimensionless.
 
 In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
-the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
-friction are not here.
+the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*.
 
 A law holds its own numbers, and `Law.parts` writes its formula with one of the shapes of
 `study.contact.shapes`. "Eq." numbers are those of the paper that the study reproduces.
@@ -16,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -202,18 +201,15 @@ class Steuermann(Law):
         return 1 + 1 / (2 * self.n) if self.radius == "profile" else None
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
-        n = self.n
+        n, odd = self.n, 2 * self.n - 1
         factor = 4 * n / (2 * n + 1)
         if self.radius == "geometric":
             return Parts(factor * r2_star, shapes.chord)
         c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
-        taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
-        odd = 2 * n - 1
-        # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may under- or overflow
-        ratio = -odd * np.log1p(-1 / r2_star)  # ln((R2/R1)^odd); beyond 700 the 1 in it is lost
-        difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
-        difference = difference - odd * np.log(r2_star)
-        radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
+        taylor = factorial(2 * n - 2) / (2**odd * factorial(n - 1) * factorial(n))
+        # A_n = taylor (R1^-odd - R2^-odd), in units of dR; R1^-odd itself may under- or overflow
+        inner = -taylor * np.expm1(odd * np.log1p(-1 / r2_star))  # A_n R1^odd
+        radius_star = (r2_star - 1) ** (odd / (2 * n)) * (c_n * inner) ** (-1 / (2 * n))
         return Parts(factor * radius_star, shapes.power, (self.exponent_of_depth,))
 
 
@@ -449,10 +445,10 @@ class Table(Law):
         the elastic solution from a depth of 0.001 on. The default resolution of 320 leaves noise of
         3e-4 in the curve at depths below 0.005.
         """
-        joint, (depth, force) = curve.joint, _in_order(curve.depth_star, curve.force_star)
-        r2_star = float(joint.r2_star)
+        depth, force = tables.in_order(curve.depth_star, curve.force_star)
+        r2_star = float(curve.joint.r2_star)
         constants = tables.of_points(np.sqrt(depth), force / Hertz()(depth, r2_star))
-        return cls(r2_star, float(depth[-1]), constants, joint, curve)
+        return cls(r2_star, float(depth[-1]), constants, curve.joint, curve)
 
     @classmethod
     def of_values(cls, depth_star: ArrayLike, force_star: ArrayLike, r2_star: float) -> Table:
@@ -476,7 +472,7 @@ class Table(Law):
         >>> print(f"{law(0.3):.3f}, by the function {300 * 0.3**1.6:.3f}")
         43.703, by the function 43.703
         """
-        depth, force = _in_order(depth_star, force_star)
+        depth, force = tables.in_order(depth_star, force_star)
         r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)
         constants = tables.of_secants(np.sqrt(depth), force / depth / hertz_factor(r2_star))
         return cls(r2_star, float(depth[-1]), constants)
@@ -485,45 +481,23 @@ class Table(Law):
         return Parts(hertz_factor(r2_star), shapes.table, self.constants)
 
 
-def _in_order(depth_star, force_star):
-    """Depths > 0 and forces for a table, in order of the depth."""
-    depth, force = np.broadcast_arrays(
-        checks.number("depth_star", depth_star), checks.number("force_star", force_star)
-    )
-    order = np.argsort(depth)
-    order = order[depth[order] > 0]
-    depth, force = depth[order], force[order]
-    if len(depth) < 4 or (np.diff(depth) <= 0).any():
-        raise ValueError(f"depth_star must be >= 4 different depths > 0, got {len(depth)}")
-    if depth[0] > 0.1 * depth[-1]:
-        raise ValueError(
-            "the minimum depth_star must be <= a tenth of the maximum, because a table is not "
-            f"reliable below it, got {depth[0]:g} and {depth[-1]:g}"
-        )
-    falls = np.diff(force, prepend=0) <= 0
-    if falls.any():
-        raise ValueError(
-            "force_star must be > 0 and increase with depth_star, but it does not at depth_star "
-            f"{depth[falls][0]:g}"
-        )
-    return depth, force
-
-
-PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
-"""The laws that the paper compares."""
-COMPARED_LAWS = (*PAPER_LAWS, "power", "stiffened_hertz")
-"""The laws that results of all laws show: another law changes none of them."""
-LAWS: dict[str, type[Law]] = {
-    law.name: law
-    for law in (Hertz, Steuermann, Liu, Winkler, HyperbolicWinkler, Power, StiffenedHertz, Table)
-}
-"""Class of each named law, by its name."""
+CLASSES: tuple[type[Law], ...] = (
+    Hertz,
+    Steuermann,
+    Liu,
+    Winkler,
+    HyperbolicWinkler,
+    Power,
+    StiffenedHertz,
+    Table,
+)
+"""All laws, in the order of tables and figures; a new one is added at the end."""
+LAWS = {law.name: law for law in CLASSES}
+"""Class of each law, by its name."""
 CLOSED_FORM = tuple(name for name in LAWS if name != Table.name)
 """Laws that need no elastic solution."""
-if TYPE_CHECKING:
-    LawName = str
-else:
-    LawName = Literal[tuple(LAWS)]
+PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
+"""The laws that the paper compares."""
 AnyLaw = str | type[Law] | Law
 """Key of `LAWS`, or a law or its class."""
 
