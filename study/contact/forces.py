@@ -61,9 +61,7 @@ def stored_energy(law, depth):
     Steuermann's profiles of n > 1, whose error is 1e-11, and tables, of which each interval between
     two knots is integrated exactly.
     """
-    if np.isnan(depth):  # no comparison below would hold, and the energy would be 0
-        return depth
-    energy = 0.0
+    energy = 0.0 * depth  # NaN of NaN, for which no comparison below holds
     if depth > 0 and law.shape_index == TABLE:
         root, step = np.sqrt(depth / law.clearance), 1 / law.constants[0]
         for k in range(int(np.ceil(root / step))):
@@ -73,9 +71,7 @@ def stored_energy(law, depth):
                 inner = s * s * law.clearance
                 energy += weight * width * 2 * s * law.clearance * elastic_force(law, inner)[0]
     elif depth > 0:
-        few_are_exact = law.shape_index == HERTZ or law.shape_index == WINKLER
-        rule = (_FEW_NODES, _FEW_WEIGHTS) if few_are_exact else (NODES, WEIGHTS)
-        for node, weight in zip(*rule):  # noqa: B905 (compiled code has no strict)
+        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy
 

@@ -1,13 +1,12 @@
 """The factor by which thickness, materials and supports stiffen a joint relative to Hertz's law.
 
-The table of `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in five
+The table of `study.contact.StiffenedHertz` has ln S at nine depths, as a Chebyshev series in five
 coordinates of the joint. A clamped ball and a free rim have additional terms. The table is made by
 `study.dataset.stiffening_fit`, and ``data/README.md`` describes its format.
 
-It is evaluated once for each joint, with the same bits on every processor: every impact multiplies
-a difference of the last digits, so that two simulations of many impacts would differ by more than
-any tolerance. Therefore S is rounded to `DIGITS`, after the logarithms and sums that differ between
-processors, and only sums and products follow.
+It is evaluated with the same bits on every processor, because every impact multiplies a difference
+of the last digits. Therefore S is rounded to `DIGITS`, after the logarithms and sums that differ
+between processors, and only sums and products follow.
 """
 
 from functools import lru_cache

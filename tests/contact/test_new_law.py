@@ -22,7 +22,7 @@ class TwoTerms(Law):
     a: float = parameter(0.1, "Factor of the depth", above=0)
     b: float = parameter(1.0, "Factor of its square", above=0)
 
-    name, evidence, fitted_constants = "two_terms", "user's", ("a", "b")
+    name, fitted_constants = "two_terms", ("a", "b")
 
     def parts(self, r2_star: Any) -> Parts:
         return Parts(r2_star, shapes.hyperbolic, (self.b, self.a))
@@ -35,7 +35,7 @@ class Stiffer(Law):
 
     b: float = parameter(0.1, "Coefficient", above=0)
 
-    name, evidence = "stiffer", "user's"
+    name = "stiffer"
 
     def parts(self, r2_star: Any) -> Parts:
         return Parts(hertz_factor(r2_star), shapes.stiffer, (self.b,))
