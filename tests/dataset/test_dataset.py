@@ -11,7 +11,7 @@ from frictionless import Package
 from threadpoolctl import threadpool_limits
 
 from study import dataset, paths
-from study.dataset import check, design, solutions, store
+from study.dataset import cached, check, design, store
 from study.joint import Joint, series
 from study.joint.axial import SOLVERS
 from study.joint.supports import BALL_SUPPORTS, KINEMATICS, RIMS
@@ -220,7 +220,7 @@ def test_what_is_not_complete_fails_the_check(copy, change, message):
 @pytest.mark.slow
 def test_numbers_unlike_the_solver_fail_the_check(copy):
     case = next(case for case in design.every_case() if case[0] == "ratio")
-    solution = next(case for case in solutions.cases() if case.kind == "stress")
+    solution = next(case for case in cached.requests() if case.kind == "stress")
     assert check._difference(case) is None
     assert check._difference(solution) is None
     curves, stresses = dataset.load(), store.read(store.SOLUTIONS["stress"])
