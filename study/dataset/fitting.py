@@ -18,7 +18,6 @@ FITTED_LAWS: dict[str, Law] = {
     name: HyperbolicWinkler(1.0, area) for area, name in AREA_COEFFICIENTS.items()
 } | {"winkler": Winkler(1.0)}
 """Name of the coefficients -> law with the coefficient 1."""
-DIGITS = 7  # significant, of a coefficient
 LARGEST_DEPTH = 0.5  # maximum depth of the fit, in clearances, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
 """Depths at which the paper evaluates its measures of agreement (inferred, notebook 13)."""
@@ -64,7 +63,7 @@ def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
 
 
 def _rounded(value):
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.7g}")
 
 
 def _power(curves):

@@ -17,6 +17,7 @@ from filelock import FileLock
 
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
+from study.contact.materials import MATERIALS
 from study.contact.stiffening import TABLE
 from study.dataset.compare import DIGITS, differs
 
@@ -41,7 +42,6 @@ TABLES = paths.DATA / "published/tables.csv"
 SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 HASHES = paths.DATA / "SHA256SUMS"
-MATERIALS = paths.STUDY / "contact/materials.csv"
 RELATIVE_COSTS = paths.STUDY / "choose/relative_costs.json"
 LOOKS = paths.STUDY / "pages/looks.csv"
 LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
@@ -62,12 +62,12 @@ def load(**filters: Any) -> pd.DataFrame:
     curves = frame = read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(curves.columns))
-        values = [wanted] if np.isscalar(wanted) else list(wanted)
+        values: list[Any] = [wanted] if np.isscalar(wanted) else list(wanted)
         left = frame[frame[column].isin(values)]
         unknown = [value for value in values if value not in set(curves[column])]
         if unknown or left.empty:
-            known = [str(value) for value in (curves if unknown else frame)[column].unique()]
-            is_word = frame[column].dtype == object and column != "case"
+            known = (curves if unknown else frame)[column].unique().tolist()
+            is_word = isinstance(known[0], str) and column != "case"
             allowed = f"one of {', '.join(known)}" if is_word else "one that study data show lists"
             raise ValueError(f"{column} must be {allowed}, got {(unknown or values)[0]}")
         frame = left

@@ -219,21 +219,22 @@ def test_what_is_not_complete_fails_the_check(copy, change, message):
 
 @pytest.mark.slow
 def test_numbers_unlike_the_solver_fail_the_check(copy):
-    case = next(case for case in design.every_case() if case[0] == "ratio")
+    case = next(case for case in design.every_case() if case.group == "ratio")
     solution = next(case for case in cached.requests() if case.kind == "stress")
     assert check._difference(case) is None
     assert check._difference(solution) is None
     curves, stresses = dataset.load(), store.read(store.SOLUTIONS["stress"])
-    curves.loc[curves.case == case[1], "force_star"] *= 1 + 1e-5
+    curves.loc[curves.case == case.name, "force_star"] *= 1 + 1e-5
     stresses.loc[stresses.case == solution.name, "von_mises"] *= 1 + 1e-5
     store.write_table(curves, store.CURVES)
     store.write_table(stresses, store.SOLUTIONS["stress"])
-    assert f"case {case[1]} solved again differs: row" in check._difference(case)
+    assert f"case {case.name} solved again differs: row" in check._difference(case)
     assert f"case {solution.name} solved again differs" in check._difference(solution)
 
 
 def test_a_case_is_solved_to_the_same_bytes_on_any_number_of_threads():
-    case = ("ratio", "one", Joint.from_ratios(20, 1.5, kinematics="small"), (0.1, 0.5))
+    joint = Joint.from_ratios(20, 1.5, kinematics="small")
+    case = design.Case("ratio", "one", joint, (0.1, 0.5))
     texts = set()
     for threads in (1, 2):
         series.compliance.cache_clear()
