@@ -1,4 +1,4 @@
-"""The recipe "A law" of CONTRIBUTING, in a copy of the project: two new laws and a new shape."""
+"""The recipe "A law" of CONTRIBUTING, in a copy of the project: a new law and a new shape."""
 
 import io
 import subprocess
@@ -11,7 +11,6 @@ import pytest
 from helpers.project import copy_project, environment
 
 from study import compiled, paths
-from study.joint import Joint
 
 LAWS, SHAPES = "study/contact/laws.py", "study/contact/shapes.py"
 FORCES, LOOKS = "study/contact/forces.py", "study/pages/looks.csv"
@@ -29,34 +28,19 @@ class TwoTerms(Law):
 
 
 '''
-STIFFER = '''@dataclass(frozen=True, repr=False)
-class Stiffer(Law):
-    """Hertz's law times (1 + b ds)."""
-
-    b: float = parameter(0.1, "Coefficient", above=0)
-
-    name = "stiffer"
-
-    def parts(self, r2_star: Any) -> Parts:
-        return Parts(hertz_factor(r2_star), shapes.stiffer, (self.b,))
+SHAPE = """def two_terms(ds, constants):
+    a, b = constants[0], constants[1]
+    return ds * (a + b * ds), a + 2 * b * ds
 
 
-'''
-SHAPE = '''def stiffer(ds, constants):
-    """ds^(3/2) (1 + b ds)."""
-    s, b = np.sqrt(ds), constants[0]
-    return ds * s * (1 + b * ds), s * (1.5 + 2.5 * b * ds)
-
-
-'''
-BRANCH = """    elif shape == STIFFER:
-        value, slope = shapes.stiffer(ds, constants)
+"""
+BRANCH = """    elif shape == TWO_TERMS:
+        value, slope = shapes.two_terms(ds, constants)
 """
 CODE = """
-from study.contact import forces
-from study.joint import Joint
-law = Joint(10e-3, 50e-6, 3e-3).law("stiffer")
-print(law.force(5e-6), law.stiffness(5e-6), *forces.elastic_force(law.packed(), 5e-6))
+from study.contact import DimensionalLaw, forces
+law = DimensionalLaw("two_terms", ball_radius=0.995, socket_radius=1, composite_modulus=1)
+print(law.force(2e-3), law.stiffness(2e-3), *forces.elastic_force(law.packed(), 2e-3))
 """
 
 
@@ -81,23 +65,19 @@ def table(root, *words):
     return pd.read_csv(io.StringIO(python(root, "-m", "study.cli", *words)), index_col="law")
 
 
-def add_law(root, code, name, word):
+def add_law(root, code):
     """Add the class of a law above the list of the classes, and to its end; and its look."""
     insert(root / LAWS, code, "CLASSES")
-    insert(root / LAWS, f"    {name},\n", ")", "CLASSES")
+    insert(root / LAWS, "    TwoTerms,\n", ")", "CLASSES")
     with (root / LOOKS).open("a", encoding="utf-8") as looks:
-        looks.write(f"law,{word},{word},#999999,*,-\n")
+        looks.write("law,two_terms,two terms,#999999,*,-\n")
     python(root, "data/build.py", "hash", LOOKS)
 
 
-@pytest.fixture
-def root(tmp_path):
-    return copy_project(tmp_path / "project")
-
-
-def test_a_law_with_two_fitted_constants_is_in_every_command(root):
+def test_a_law_with_two_fitted_constants_is_in_every_command(tmp_path):
+    root = copy_project(tmp_path / "project")
     loops = root / "build/compiled" / compiled.folder().name
-    add_law(root, TWO_TERMS, "TwoTerms", "two_terms")
+    add_law(root, TWO_TERMS)
     folders = [root / "study" / name for name in ("contact", "mechanism")]
     sources = [path for of in folders for path in of.glob("*.*") if path.suffix in (".py", ".toml")]
     # a law of a known shape leaves the compiled loops as they are
@@ -120,12 +100,13 @@ def test_a_law_with_two_fitted_constants_is_in_every_command(root):
     assert "void two_terms_law(double depth" in text
 
 
-def test_a_law_of_a_new_shape_is_compiled(root):
+def test_a_law_of_a_new_shape_is_compiled(tmp_path):
+    root = copy_project(tmp_path / "project")
     insert(root / SHAPES, SHAPE, "SHAPES")
-    insert(root / SHAPES, "    stiffer,\n", ")", "SHAPES")
-    insert(root / FORCES, "STIFFER = 8\n", '"""Place of each shape')
+    insert(root / SHAPES, "    two_terms,\n", ")", "SHAPES")
+    insert(root / FORCES, "TWO_TERMS = 8\n", '"""Place of each shape')
     insert(root / FORCES, BRANCH, "    else:", "def elastic_force")
-    add_law(root, STIFFER, "Stiffer", "stiffer")
-    force, stiffness, *of_loops = map(float, python(root, "-c", CODE).split())
-    assert force == pytest.approx(1.01 * Joint(10e-3, 50e-6, 3e-3).law("hertz").force(5e-6))
-    assert of_loops == pytest.approx([force, stiffness])
+    add_law(root, TWO_TERMS.replace("hyperbolic, (self.b, self.a)", "two_terms, (self.a, self.b)"))
+    found = np.array(python(root, "-c", CODE).split(), float)
+    force, stiffness = 200 * (0.1 * 0.4 + 0.4**2), 200 * (0.1 + 2 * 0.4)
+    assert found == pytest.approx(2 * [0.005**2 * force, 0.005 * stiffness])
