@@ -1,7 +1,6 @@
 """A contact law of one joint in SI units: force, stiffness, and the depth of a force.
 
-The laws of `study.contact.laws` are dimensionless. `DimensionalLaw` adds the dimensions and the
-inverse, and packs a law for the compiled loops.
+It adds dimensions to a law of `study.contact.laws`, and packs it for the compiled loops.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for

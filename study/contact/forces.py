@@ -71,7 +71,9 @@ def stored_energy(law, depth):
                 inner = s * s * law.clearance
                 energy += weight * width * 2 * s * law.clearance * elastic_force(law, inner)[0]
     elif depth > 0:
-        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905 (compiled code has no strict)
+        few_are_exact = law.shape_index == HERTZ or law.shape_index == WINKLER
+        rule = (_FEW_NODES, _FEW_WEIGHTS) if few_are_exact else (NODES, WEIGHTS)
+        for node, weight in zip(*rule):  # noqa: B905 (compiled code has no strict)
             energy += weight * 2 * node * depth * elastic_force(law, node * node * depth)[0]
     return energy
 

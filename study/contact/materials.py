@@ -114,10 +114,9 @@ def _plain(name):
 
 @lru_cache(maxsize=1)
 def table() -> tuple[dict[str, Any], ...]:
-    """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
+    """Rows of ``materials.csv``, in Pa; the yield stress is None if the material has no usual one.
 
-    ``yield_stress`` is None if the material has no usual one. Raises `study.checks.StudyError` if
-    the file is missing or damaged.
+    Raises `study.checks.StudyError` if the file is missing or damaged.
     """
     rows: list[dict[str, Any]] = []
     with checks.intact("study/contact/materials.csv"):
