@@ -8,21 +8,14 @@ from study.dataset import cached, store
 from study.joint import Joint, reference_joint, stress
 
 
-@pytest.fixture
-def nothing_is_solved(monkeypatch):
-    def solve(case):
-        raise AssertionError(f"{case} is not kept")
-
-    monkeypatch.setattr(cached, "solve", solve)
-
-
-def test_a_kept_curve_is_found_by_its_joint(nothing_is_solved):
+def test_a_kept_curve_is_found_by_its_joint(monkeypatch):
+    monkeypatch.setattr(cached, "solve", None)
     curves = (of for of in cached.requests() if of.kind == "axial")
-    case = next(of for of in curves if of.arguments["depth_star"])
-    joint = cached.joint_of(case)
-    kept = cached.curve(joint, **case.arguments)
+    request = next(of for of in curves if of.arguments["depth_star"])
+    joint = cached.joint_of(request)
+    kept = cached.curve(joint, **request.arguments)
     assert kept.joint == joint
-    np.testing.assert_allclose(kept.depth_star, case.arguments["depth_star"])
+    np.testing.assert_allclose(kept.depth_star, request.arguments["depth_star"])
     assert (np.diff(kept.force_star[np.argsort(kept.depth_star)]) > 0).all()
 
 
@@ -54,18 +47,18 @@ def test_stresses_are_those_of_the_library():
     ids=["default", "core", "layers", "ring", "neck"],
 )
 def test_a_joint_is_read_as_it_was_written(joint):
-    case = cached.request_of("axial", joint, {"depth_star": [0.1]})
-    again = cached.joint_of(case)
-    assert cached.request_of("axial", again, {"depth_star": [0.1]}) == case
+    request = cached.request_of("axial", joint, {"depth_star": [0.1]})
+    again = cached.joint_of(request)
+    assert cached.request_of("axial", again, {"depth_star": [0.1]}) == request
     assert again.columns() == joint.columns()
     assert again.supports == joint.supports
 
 
 def test_a_joint_with_dimensions_is_read_as_it_was_written():
     joint = Joint(10e-3, 50e-6, 4e-3, ball="steel", liner="2e-3,POM", ball_support="pin:2e-3,9e-3")
-    case = cached.request_of("loaded", joint, {})
-    again = cached.joint_of(case)
-    assert cached.request_of("loaded", again, {}) == case
+    request = cached.request_of("loaded", joint, {})
+    again = cached.joint_of(request)
+    assert cached.request_of("loaded", again, {}) == request
     assert again.layers == joint.layers
     assert again.ball_support.radius == pytest.approx(joint.ball_support.radius, rel=1e-8)
 
