@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study import checks
-from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
+from study.contact.laws import AnyLaw, Floats, find
+from study.contact.materials import LIMIT_MARGIN
 from study.contact.shapes import SHAPES
 
 _STEPS, _CLOSE = 200, 1e-8  # of Newton's method: most steps (five are usual); last one, relative

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from study import checks, parameters
 from study.contact import shapes, stiffening, tables
-from study.contact.materials import hertz_factor
+from study.contact.materials import LIMIT_MARGIN, hertz_factor
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.parameters import parameter
 
@@ -34,7 +34,6 @@ AREA_COEFFICIENTS: dict[Area, str] = {
     "sphere": "hyperbolic_winkler_sphere",
 }
 """Name of the coefficient of `HyperbolicWinkler` in ``coefficients.json``, by area element."""
-LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
 
 
 class Parts(NamedTuple):
@@ -303,10 +302,9 @@ class StiffenedHertz(Law):
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``guided`` or ``clamped``, in a
     hemispherical socket of one material that is fixed all over its outside, pressed along the axis.
-    `of` looks up the nine ``constants`` c1 to c9 of a joint (`study.contact.stiffening`). The law
-    is for small displacements, ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its
-    largest error is 0.18 % on 336 random joints, and 0.57 % at the ends of the ranges
-    (notebook 15).
+    `study.contact.stiffening` has the nine ``constants`` c1 to c9 of a joint. The law is for small
+    displacements, ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is
+    0.18 % on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15).
     """
 
     constants: tuple[float, ...]
@@ -318,29 +316,7 @@ class StiffenedHertz(Law):
 
     @classmethod
     def of(cls, joint: Any) -> StiffenedHertz:  # noqa: D102
-        ball, socket, ratio = joint.ball, joint.socket, joint.modulus_ratio
-        instead = "use the law tabulated, which is valid for any joint"
-        for unsuited, what in (
-            (joint.liner, "a socket with layers"),
-            (not joint.ball_support.by_plane, f"ball_support {joint.ball_support}"),
-            (str(joint.opening) != "90", f"an opening of {joint.opening} deg"),
-            (not joint.is_held_all_round, f"socket_support {joint.socket_support}"),
-        ):
-            if unsuited:
-                raise checks.RangeError(f"stiffened_hertz is not valid for {what}; {instead}")
-        limits = {"r2_star": (cls.least_r2_star, None), **stiffening.RANGES}
-        values = joint.r2_star, joint.socket_ratio, ball.poisson, socket.poisson, ratio
-        try:
-            for (name, (least, most)), value in zip(limits.items(), values, strict=True):
-                least *= 1 - LIMIT_MARGIN
-                checks.number(f"{name} of stiffened_hertz", value, least=least, most=most)
-        except checks.RangeError as error:
-            raise checks.RangeError(f"{error}; {instead}") from None
-        share = stiffening.share_of_ball(ratio, ball.poisson, socket.poisson)
-        bodies = share, ball.poisson, socket.poisson, joint.socket_ratio
-        supports = joint.ball_support.word == "clamped", joint.rim == "free"
-        powers = stiffening.powers(joint.r2_star, bodies, *supports)
-        return cls(tuple(powers[::-1].tolist()), joint.r2_star, joint)
+        return cls(stiffening.constants(joint), joint.r2_star, joint)
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         return Parts(hertz_factor(r2_star), shapes.stiffened, self.constants[::-1])
