@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from operator import itemgetter
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import pandas as pd
 
 from study import paths
 from study.contact import stiffening
-from study.dataset import design, fitting, solutions, stiffening_fit, store
+from study.dataset import cached, design, fitting, stiffening_fit, store
 from study.pages.build import be_job
 
 SOLUTIONS_AT_ONCE = 24
@@ -31,7 +31,7 @@ def no_parts(everything: bool) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Table:
+class Generated:
     """A generated table, or two that are written together.
 
     ``parts`` gives the parts by name: of all cases, or of those that are not stored. ``solve``
@@ -57,8 +57,8 @@ def curve_parts(everything: bool) -> dict[str, list[design.Case]]:
     stored = store.read(store.CURVES).case.value_counts()
     cases = design.every_case()
     if not everything:
-        cases = [case for case in cases if stored.get(case[1]) != len(case[3])]
-    return named(design.batches(cases), itemgetter(1))
+        cases = [case for case in cases if stored.get(case.name) != len(case.depths)]
+    return named(design.batches(cases), attrgetter("name"))
 
 
 def write_cases(path: Path, names: list[str], made: dict[str, pd.DataFrame]) -> None:
@@ -71,21 +71,21 @@ def write_cases(path: Path, names: list[str], made: dict[str, pd.DataFrame]) -> 
 
 def write_curves(made: dict[str, pd.DataFrame]) -> None:
     """Write the curves of the design."""
-    write_cases(store.CURVES, [name for _, name, *_ in design.every_case()], made)
+    write_cases(store.CURVES, [case.name for case in design.every_case()], made)
 
 
-def solution_parts(kind: str, everything: bool) -> dict[str, list[solutions.Case]]:
+def solution_parts(kind: str, everything: bool) -> dict[str, list[cached.Request]]:
     """Batches of the cases of a kind."""
     stored = set() if everything else set(store.read(store.SOLUTIONS[kind]).case)
-    cases = [case for case in solutions.cases() if case.kind == kind and case.name not in stored]
+    cases = [case for case in cached.requests() if case.kind == kind and case.name not in stored]
     starts = range(0, len(cases), SOLUTIONS_AT_ONCE)
     batches = [cases[start : start + SOLUTIONS_AT_ONCE] for start in starts]
-    return named(batches, lambda case: case.name)
+    return named(batches, attrgetter("name"))
 
 
 def write_solutions(kind: str, made: dict[str, pd.DataFrame]) -> None:
     """Write the solutions of a kind."""
-    names = [case.name for case in solutions.cases() if case.kind == kind]
+    names = [case.name for case in cached.requests() if case.kind == kind]
     write_cases(store.SOLUTIONS[kind], names, made)
 
 
@@ -125,7 +125,8 @@ def write_coefficients(table: pd.DataFrame, path: Path) -> None:
 def write_laws(made: dict[str, pd.DataFrame]) -> None:
     """Fit the laws to the curves, and compute their costs from the measured times."""
     coefficients = fitting.fit_laws(store.load(), store.read(store.TABLES))
-    costs = fitting.relative_costs(store.measured())
+    laws = store.measured("laws")
+    costs = dict(zip(laws.method, laws.relative, strict=True))
     for path, values in {store.COEFFICIENTS: coefficients, store.RELATIVE_COSTS: costs}.items():
         with paths.whole(path) as temporary:
             temporary.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
@@ -138,21 +139,21 @@ def as_frame(function: Callable, *given: Any) -> pd.DataFrame:
 
 
 TABLES = {
-    "curves": Table(
+    "curves": Generated(
         write_curves,
         curve_parts,
         lambda cases: pd.concat(map(design.solve, cases)),
         extensible=True,
     ),
-    "laws": Table(write_laws, after=("curves",), extensible=True),
-    "stiffening": Table(
+    "laws": Generated(write_laws, after=("curves",), extensible=True),
+    "stiffening": Generated(
         write_stiffening, stiffening_parts, lambda of: as_frame(stiffening_fit.logarithms, *of)
     ),
     **{
-        f"{kind}_solutions": Table(
+        f"{kind}_solutions": Generated(
             partial(write_solutions, kind),
             partial(solution_parts, kind),
-            lambda cases: pd.concat(map(solutions.solve, cases)),
+            lambda cases: pd.concat(map(cached.solve, cases)),
             extensible=True,
         )
         for kind in store.SOLUTIONS

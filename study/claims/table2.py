@@ -24,7 +24,7 @@ from scipy.optimize import least_squares
 
 from study import contact
 from study.contact.laws import AREA_COEFFICIENTS, Area
-from study.dataset import fitting, solutions
+from study.dataset import cached, fitting
 from study.dataset.fitting import LARGEST_DEPTH, R2_STAR
 from study.joint import Solver, reference_joint
 
@@ -131,7 +131,7 @@ def scan(
     rows = []
     for ratio in ratios:
         set_up = reference_joint(R2_STAR, socket_ratio=ratio, **joint)
-        curve = contact.Table.of_curve(solutions.curve(set_up, _DEPTHS, resolution, solver))
+        curve = contact.Table.of_curve(cached.curve(set_up, _DEPTHS, resolution, solver))
         for name, sample in SAMPLINGS.items():
             rows.append({"ratio": ratio, "sampling": name} | sums(name, curve(sample)))
     return pd.DataFrame(rows)

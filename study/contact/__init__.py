@@ -3,13 +3,11 @@
 from study.contact.dimensional_law import DimensionalLaw
 from study.contact.laws import (
     CLOSED_FORM,
-    COMPARED_LAWS,
     LAWS,
     PAPER_LAWS,
     Hertz,
     HyperbolicWinkler,
     Law,
-    LawName,
     Liu,
     Power,
     Steuermann,

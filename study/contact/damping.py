@@ -29,8 +29,8 @@ def _surplus(factor: float, restitution: float) -> float:
     """Value of ln((1+D)/(1-cr D)) - D (1 + cr), over D^2 in a series: 0 where D delivers cr."""
     if factor <= 0.5:  # where the logarithms cancel
         return sum(((-1) ** (k + 1) + restitution**k) * factor ** (k - 2) / k for k in POWERS)
-    share = restitution * factor
-    return log1p(factor) - log1p(-share) - factor - share if share < 1 else inf
+    back = restitution * factor
+    return log1p(factor) - log1p(-back) - factor - back if back < 1 else inf
 
 
 @lru_cache(maxsize=1024)
@@ -55,7 +55,7 @@ DAMPINGS: dict[Damping, Callable[[float], float]] = {
 def damping_factor(damping: Damping, restitution: float) -> float:
     """Damping factor D >= 0 by a rule of `DAMPINGS`, for a restitution from 0 to 1.
 
-    It is at least 0.001 for ``flores`` and ``exact``, whose D grows as 1/cr.
+    For ``flores`` and ``exact``, whose D grows as 1/cr, the restitution is at least 0.001.
     """
     checks.choice("damping", damping, DAMPINGS)
     cr = checks.number("restitution", restitution, least=0, most=1, scalar=True)

@@ -1,7 +1,6 @@
 """A contact law of one joint in SI units: force, stiffness, and the depth of a force.
 
-The laws of `study.contact.laws` are dimensionless. `DimensionalLaw` adds the joint's dimensions,
-and the inverse, and packs a law for the compiled loops.
+It adds dimensions to a law of `study.contact.laws`, and packs it for the compiled loops.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -13,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from study import checks
-from study.contact.laws import LIMIT_MARGIN, AnyLaw, Floats, find
+from study.contact.laws import AnyLaw, Floats, find
+from study.contact.materials import LIMIT_MARGIN
 from study.contact.shapes import SHAPES
 
 _STEPS, _CLOSE = 200, 1e-8  # of Newton's method: most steps (five are usual); last one, relative
@@ -24,8 +24,8 @@ CAPACITIES = 4096, 65536
 class DimensionalLaw:
     """A contact law of a joint with dimensions, in SI units.
 
-    Its methods `force`, `stiffness` and `depth` evaluate it. Raises ``ValueError`` for an unknown
-    law, or a value outside its range. `study.joint.Joint.law` makes it of a joint.
+    Its methods `force`, `stiffness` and `depth` evaluate it. `study.joint.Joint.law` makes it.
+    Raises ``ValueError`` for an unknown law, or a value outside its range.
 
     Parameters
     ----------
@@ -40,8 +40,6 @@ class DimensionalLaw:
 
     Attributes
     ----------
-    law
-        The law without dimensions.
     deepest
         Maximum penetration depth of the law in m; infinite for a law without a limit.
     parts
@@ -75,6 +73,7 @@ class DimensionalLaw:
         self.composite_modulus = checks.number(
             "composite modulus", composite_modulus, "Pa", above=0, scalar=True
         )
+        self.force_unit = self.composite_modulus * self.clearance**2  # of the dimensionless force
         own = self.law.r2_star
         if own is not None and not isclose(self.r2_star, own, rel_tol=1e-6):
             raise ValueError(
@@ -108,11 +107,10 @@ class DimensionalLaw:
         most = None
         if self.deepest < inf:
             most = float(self.force(self.deepest)) * (1 + LIMIT_MARGIN)
-        name = f"force of {self.name}"
-        forces = np.asarray(checks.number(name, force, "N", least=0, most=most))
+        forces = np.asarray(checks.number(f"force of {self.name}", force, "N", least=0, most=most))
         depth = np.zeros(forces.shape)
         pressed, shape = forces > 0, self.parts.shape
-        wanted = forces[pressed] / self._unit(0) / self.parts.scale
+        wanted = forces[pressed] / self.force_unit / self.parts.scale
         deepest = self.deepest / self.clearance * (1 + 2 * LIMIT_MARGIN)
         low, high = np.zeros_like(wanted), np.full_like(wanted, deepest)
         star = np.minimum(wanted ** (2 / 3), high)  # Hertz's, in clearances
@@ -131,20 +129,12 @@ class DimensionalLaw:
             "increases with depth"
         )
 
-    def _unit(self, derivative):
-        """Unit of the dimensionless force, in N, or of its derivative, in N/m."""
-        return self.composite_modulus * self.clearance ** (2 - derivative)
-
     def _evaluated(self, depth, derivative):
-        depths = np.asarray(checks.number("depth", depth, "m"))
+        depths = checks.number("depth", depth, "m")
         most = self.deepest * (1 + LIMIT_MARGIN) if self.deepest < inf else None
         checks.number(f"depth of {self.name}", depths, "m", most=most)
-        depth_star = depths / self.clearance
-        scale, shape, constants = self.parts
-        result, touches = np.zeros(depths.shape), depth_star > 0
-        result[touches] = scale * shape(depth_star[touches], constants)[derivative]
-        found = self._unit(derivative) * result
-        return float(found) if found.ndim == 0 else found
+        star = self.law(depths / self.clearance, self.r2_star, derivative=derivative)
+        return self.force_unit / self.clearance**derivative * star
 
     def packed(self) -> np.record:
         """Record for `forces.elastic_force`, with lengths in m and forces in N."""
@@ -152,7 +142,7 @@ class DimensionalLaw:
         count = len(constants)
         capacity = next(size for size in CAPACITIES if size >= count)
         padded = np.pad(np.asarray(constants, dtype=float), (0, capacity - count))
-        values: Any = SHAPES.index(shape), self.clearance, self._unit(0) * scale, count, padded
+        values: Any = SHAPES.index(shape), self.clearance, self.force_unit * scale, count, padded
         return np.rec.array(
             [values],
             dtype=[

@@ -15,7 +15,7 @@ from study.compiled import compiled
 from study.contact import shapes
 from study.contact.shapes import SHAPES, chord, hertz, hyperbolic, liu, power, stiffened, winkler
 
-HERTZ, WINKLER, POWER, CHORD, LIU, HYPERBOLIC, STIFFENED, TABLE = range(len(SHAPES))
+HERTZ, WINKLER, POWER, CHORD, LIU, HYPERBOLIC, STIFFENED, TABLE = range(8)
 """Place of each shape in `SHAPES`."""
 for _shape in (*SHAPES, shapes.cubic):  # a call takes as long as a law: they are inlined
     register_jitable(inline="always")(_shape)
@@ -61,9 +61,7 @@ def stored_energy(law, depth):
     Steuermann's profiles of n > 1, whose error is 1e-11, and tables, of which each interval between
     two knots is integrated exactly.
     """
-    if np.isnan(depth):  # no comparison below would hold, and the energy would be 0
-        return depth
-    energy = 0.0
+    energy = 0.0 * depth  # NaN of NaN, for which no comparison below holds
     if depth > 0 and law.shape_index == TABLE:
         root, step = np.sqrt(depth / law.clearance), 1 / law.constants[0]
         for k in range(int(np.ceil(root / step))):

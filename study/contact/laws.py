@@ -1,8 +1,7 @@
 """Force-depth laws of a ball in a socket: one class each, all dimensionless.
 
 In dimensionless form depth_star = d/dR (ds), r2_star = R2/dR and force_star = P/(E* dR^2), with
-the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*. Damping and
-friction are not here.
+the clearance dR = R2 - R1, the penetration depth d and the composite modulus E*.
 
 A law holds its own numbers, and `Law.parts` writes its formula with one of the shapes of
 `study.contact.shapes`. "Eq." numbers are those of the paper that the study reproduces.
@@ -16,28 +15,25 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from math import factorial, gamma, pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks, parameters
 from study.contact import shapes, stiffening, tables
-from study.contact.materials import hertz_factor
+from study.contact.materials import LIMIT_MARGIN, hertz_factor
 from study.contact.power_fit import USUAL_RANGE, fit_power
 from study.parameters import parameter
 
 Area = Literal["flat", "sphere"]
-Evidence = Literal["given", "derived", "identified", "reconstructed", "fitted", "solved", "user's"]
-"""How sure a law's formula is."""
 Floats = float | NDArray[np.float64]
 COEFFICIENTS = Path(__file__).with_name("coefficients.json")
 AREA_COEFFICIENTS: dict[Area, str] = {
     "flat": "hyperbolic_winkler",
     "sphere": "hyperbolic_winkler_sphere",
 }
-"""Name of the fitted coefficient of `HyperbolicWinkler`, by the area element of its pressure."""
-LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
+"""Name of the coefficient of `HyperbolicWinkler` in ``coefficients.json``, by area element."""
 
 
 class Parts(NamedTuple):
@@ -52,26 +48,7 @@ class Parts(NamedTuple):
 class Law:
     """A contact law: the normalised force as a function of the normalised penetration depth.
 
-    A law is called to evaluate it. Its class has what is the same for all of its numbers:
-
-    Attributes
-    ----------
-    name
-        Key of `LAWS`.
-    evidence
-        How sure the formula is.
-    deepest
-        Maximum depth_star, or None.
-    least_r2_star
-        Minimum R2*.
-    fitted_to
-        Maximum depth_star of the fit, in the reference joint, of the default coefficients.
-    fitted_constants
-        Numbers that can be fitted to a measured curve.
-    needs_joint
-        Whether the law is made by `of` alone; else its numbers have defaults.
-    r2_star, joint
-        For the law of one joint: its R2*, and the `study.joint.Joint`.
+    A law is called to evaluate it.
 
     Examples
     --------
@@ -80,14 +57,19 @@ class Law:
     """
 
     name: ClassVar[str]
-    evidence: ClassVar[Evidence]
+    """Key of `LAWS`."""
     deepest = None
+    """Maximum depth_star, or None."""
     least_r2_star: ClassVar[float] = 1.0
+    """Minimum R2*."""
     fitted_to: ClassVar[float | None] = None
+    """Maximum depth_star of the fit, in the reference joint, of the default coefficients."""
     fitted_constants: ClassVar[tuple[str, ...]] = ()
+    """Numbers that are fitted to a measured curve; ``coefficient`` is a factor of the force."""
     needs_joint: ClassVar[bool] = False
-    r2_star = None
-    joint = None
+    """Whether the law is made by `of` alone; else its numbers have defaults."""
+    r2_star = joint = None
+    """R2* and the `study.joint.Joint` of the law of one joint."""
 
     def __post_init__(self) -> None:
         parameters.take(self)
@@ -139,12 +121,8 @@ class Law:
         Returns
         -------
         float or array
-            Normalised force P/(E* dR^2), or its derivative; 0 where the depth is <= 0.
-
-        Raises
-        ------
-        ValueError
-            If a value is outside its range.
+            Normalised force P/(E* dR^2), or its derivative; 0 where the depth is <= 0. Raises
+            ``ValueError`` if a value is outside its range.
         """
         most = None if self.deepest is None else self.deepest * (1 + LIMIT_MARGIN)
         depth = np.asarray(checks.number("depth_star", depth_star))
@@ -171,7 +149,7 @@ _COEFFICIENT: Any = parameter(
 class Hertz(Law):
     """Hertz: P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) (Eqs. 4-6, given)."""
 
-    name, evidence, exponent_of_depth = "hertz", "given", 1.5
+    name, exponent_of_depth = "hertz", 1.5
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         return Parts(hertz_factor(r2_star), shapes.hertz)
@@ -195,25 +173,22 @@ class Steuermann(Law):
         choices=("geometric", "profile"),
     )
 
-    name, evidence = "steuermann", "identified"
+    name = "steuermann"
 
     @property
     def exponent_of_depth(self) -> float | None:  # noqa: D102
         return 1 + 1 / (2 * self.n) if self.radius == "profile" else None
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
-        n = self.n
+        n, odd = self.n, 2 * self.n - 1
         factor = 4 * n / (2 * n + 1)
         if self.radius == "geometric":
             return Parts(factor * r2_star, shapes.chord)
         c_n = sqrt(pi) * gamma(n + 1) / gamma(n + 0.5)
-        taylor = factorial(2 * n - 2) / (2 ** (2 * n - 1) * factorial(n - 1) * factorial(n))
-        odd = 2 * n - 1
-        # ln(R1^-odd - R2^-odd), in units of dR: the powers themselves may under- or overflow
-        ratio = -odd * np.log1p(-1 / r2_star)  # ln((R2/R1)^odd); beyond 700 the 1 in it is lost
-        difference = np.where(ratio < 700, np.log(np.expm1(np.minimum(ratio, 700))), ratio)
-        difference = difference - odd * np.log(r2_star)
-        radius_star = np.exp(-(np.log(c_n * taylor) + difference) / (2 * n))  # at ds = 1
+        taylor = factorial(2 * n - 2) / (2**odd * factorial(n - 1) * factorial(n))
+        # A_n = taylor (R1^-odd - R2^-odd), in units of dR; R1^-odd itself may under- or overflow
+        inner = -taylor * np.expm1(odd * np.log1p(-1 / r2_star))  # A_n R1^odd
+        radius_star = (r2_star - 1) ** (odd / (2 * n)) * (c_n * inner) ** (-1 / (2 * n))
         return Parts(factor * radius_star, shapes.power, (self.exponent_of_depth,))
 
 
@@ -223,11 +198,10 @@ class Liu(Law):
 
     The coefficient of determination in Table 2 gives the factor, the RMSE the growth with depth
     (notebook 13). The half-angle eps is Steuermann's; sin(eps/2) is the factor of Liu's law for
-    cylinders. Another form also agrees with both numbers: a pressure 1 - theta^2/eps^2 on the
-    socket's sphere. At a depth of 0.5 it differs by less than 1 % of the force.
+    cylinders.
     """
 
-    name, evidence, fitted_to = "liu", "reconstructed", USUAL_RANGE[1]
+    name, fitted_to = "liu", USUAL_RANGE[1]
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         return Parts(_coefficient("liu", r2_star), shapes.liu)
@@ -237,13 +211,13 @@ class Liu(Law):
 class Winkler(Law):
     """Winkler with fitted coefficient: P* = f1w(R2*) ds^2 (Eq. 28, derived; f1w fitted).
 
-    The default of the ``coefficient`` f1w is this study's fit in the paper's joint
-    (`study.joint.reference_joint`), linear in R2*.
+    The default of the ``coefficient`` f1w is this study's fit in the reference joint, linear in
+    R2*.
     """
 
     coefficient: float | None = _COEFFICIENT
 
-    name, evidence, exponent_of_depth = "winkler", "derived", 2.0
+    name, exponent_of_depth = "winkler", 2.0
     fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient",)
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
@@ -259,8 +233,7 @@ class HyperbolicWinkler(Law):
     the arc. The paper's own formula is lost; its Table 2 identifies this element (notebook 13).
 
     ``area="sphere"`` takes the socket's own element, R2^2 sin(theta) dtheta dphi:
-    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with another coefficient. In the paper's joint
-    its error for ds from 0.1 to 0.5 is up to 29 %, that of the flat element up to 32 %.
+    f2 = ds [1/2 - sin(2a)/(2a) + sin(a)^2/(2 a^2)], with another coefficient.
 
     The largest depth is pi^2/8, a half-angle of 90 deg. The default of the ``coefficient`` f1 is as
     for `Winkler`.
@@ -273,7 +246,7 @@ class HyperbolicWinkler(Law):
         choices=("flat", "sphere"),
     )
 
-    name, evidence, deepest = "hyperbolic_winkler", "derived", pi**2 / 8  # type: ignore[assignment]
+    name, deepest = "hyperbolic_winkler", pi**2 / 8  # type: ignore[assignment]
     fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient",)
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
@@ -285,10 +258,9 @@ class HyperbolicWinkler(Law):
 class Power(Law):
     """Power law: P* = k* ds^n, fitted to one joint and one range of depths (this study).
 
-    It has the two numbers that programs for multibody dynamics ask for; `of` a joint, they are
-    fitted to its elastic solution from 0.05 to 0.5 clearances. The default is fitted in the paper's
-    joint over this range, with k* linear in R2*. Its error there is below 0.5 % at R2* = 200 and
-    below 1.2 % from R2* = 20 on; elsewhere it is a guess. k* and n are given together.
+    `of` a joint, k* and n are fitted to its elastic solution from 0.05 to 0.5 clearances. The
+    default is fitted in the paper's joint over this range, with k* linear in R2*. Its error there
+    is below 0.5 % at R2* = 200 and below 1.2 % from R2* = 20 on.
     """
 
     coefficient: float | None = _COEFFICIENT
@@ -296,16 +268,13 @@ class Power(Law):
         None, "Exponent (no unit)", least=1, most=3, otherwise="that of the reference joint"
     )
 
-    name, evidence = "power", "fitted"
-    fitted_to, fitted_constants = USUAL_RANGE[1], ("coefficient", "exponent")
+    name, fitted_to = "power", USUAL_RANGE[1]
+    fitted_constants = ("coefficient", "exponent")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.coefficient is None) != (self.exponent is None):
-            raise ValueError(
-                "coefficient and exponent of the law power must be given together, got only one "
-                "of them"
-            )
+            raise ValueError("coefficient and exponent of the law power must be given together")
 
     @classmethod
     def of(cls, joint: Any) -> Power:  # noqa: D102
@@ -329,70 +298,26 @@ class Power(Law):
 
 @dataclass(frozen=True)
 class StiffenedHertz(Law):
-    """Hertz stiffened by thickness, materials and supports (this study, tabulated).
+    """Hertz stiffened by thickness, materials and supports (this study).
 
     P* = (4/3) sqrt(R2* (R2* - 1)) ds^(3/2) S with S = 1 + c1 u + ... + c9 u^9, u = s/(1 + s) and
     s = sqrt(ds): Hertz's law as ds -> 0. It is for half a ball, ``guided`` or ``clamped``, in a
     hemispherical socket of one material that is fixed all over its outside, pressed along the axis.
-    `of` looks up the nine numbers of a joint in ``stiffening.csv`` (`study.contact.stiffening`).
-    The law is for small displacements, ds <= 1 and the ranges of
-    `study.contact.stiffening.RANGES`. Its largest error is 0.18 % on 336 random joints, and 0.57 %
-    at the ends of the ranges (notebook 15).
-
-    Attributes
-    ----------
-    constants
-        c1 to c9.
-    r2_star, joint
-        R2* of the joint, and the joint.
-
-    Examples
-    --------
-    >>> from study.joint import Joint
-    >>> print(f"{StiffenedHertz.of(Joint.from_ratios(200, 1.298))(0.3):.1f}")
-    81.6
+    `study.contact.stiffening` has the nine ``constants`` c1 to c9 of a joint. The law is for small
+    displacements, ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is
+    0.18 % on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15).
     """
 
     constants: tuple[float, ...]
     r2_star: float = field()  # type: ignore[assignment]
     joint: Any = field(default=None, compare=False)  # type: ignore[assignment]
 
-    name, evidence, deepest, needs_joint = "stiffened_hertz", "fitted", 1.0, True  # type: ignore[assignment]
+    name, deepest, needs_joint = "stiffened_hertz", 1.0, True  # type: ignore[assignment]
     least_r2_star = stiffening.LEAST_R2_STAR
-
-    def __post_init__(self) -> None:
-        if len(self.constants) != 9:
-            raise ValueError(f"constants must be nine numbers, got {len(self.constants)}")
 
     @classmethod
     def of(cls, joint: Any) -> StiffenedHertz:  # noqa: D102
-        for unsuited, what in (
-            (joint.liner, "a socket with layers"),
-            (not joint.ball_support.is_half, f"ball_support {joint.ball_support}"),
-            (str(joint.opening) != "90", f"an opening of {joint.opening} deg"),
-            (not joint.is_held_all_round, f"socket_support {joint.socket_support}"),
-        ):
-            if unsuited:
-                raise checks.RangeError(
-                    f"the law stiffened_hertz is not valid for {what}; use tabulated, a table of "
-                    "the joint's elastic solution"
-                )
-        ball, socket, ratio = joint.ball, joint.socket, joint.modulus_ratio
-        limits = {"r2_star": (cls.least_r2_star, None), **stiffening.RANGES}
-        values = joint.r2_star, joint.socket_ratio, ball.poisson, socket.poisson, ratio
-        try:
-            for (name, (least, most)), value in zip(limits.items(), values, strict=True):
-                least *= 1 - LIMIT_MARGIN
-                checks.number(f"{name} of stiffened_hertz", value, least=least, most=most)
-        except checks.RangeError as error:
-            raise checks.RangeError(
-                f"{error}; use the law tabulated, which is valid for any joint"
-            ) from None
-        share = stiffening.share_of_ball(ratio, ball.poisson, socket.poisson)
-        bodies = share, ball.poisson, socket.poisson, joint.socket_ratio
-        supports = joint.ball_support.word == "clamped", joint.rim == "free"
-        powers = stiffening.powers(joint.r2_star, bodies, *supports)
-        return cls(tuple(powers[::-1].tolist()), joint.r2_star, joint)
+        return cls(stiffening.constants(joint), joint.r2_star, joint)
 
     def parts(self, r2_star: Any) -> Parts:  # noqa: D102
         return Parts(hertz_factor(r2_star), shapes.stiffened, self.constants[::-1])
@@ -400,28 +325,20 @@ class StiffenedHertz(Law):
 
 @dataclass(frozen=True, eq=False)
 class Table(Law):
-    """Table of the elastic solution of one joint, a cubic Hermite spline over sqrt(ds).
+    """Table of the elastic solution of one joint: a monotone cubic spline (`study.contact.tables`).
 
-    The stiffening S = P*/P*(Hertz) of a force-depth curve is interpolated by a spline that is
-    monotone where the curve is, from S = 1 at ds = 0 (`study.contact.tables`). It is continuously
-    differentiable and needs only one square root. `of_values` makes a table of a Python function.
+    `of_values` makes a table of a Python function instead. A table is made from at least 4
+    different depths > 0, of which the minimum is at most a tenth of the maximum, and of forces that
+    increase with the depth; else ``ValueError``.
 
     Attributes
     ----------
-    r2_star, deepest
-        R2* of the joint, and maximum depth_star of the table.
     constants
         Those of `study.contact.shapes.table`.
-    joint, curve
-        The joint, and the `study.joint.Solution` at the solved depths.
+    curve
+        The `study.joint.Solution` at the solved depths.
     error
         Maximum relative error of the force between these depths, if it was checked.
-
-    Examples
-    --------
-    >>> from study.joint import Joint
-    >>> print(f"{Table.of(Joint.from_ratios(200))(0.3):.2f}")
-    81.63
     """
 
     r2_star: float = field()  # type: ignore[assignment]
@@ -431,10 +348,7 @@ class Table(Law):
     curve: Any = field(default=None, repr=False)
     error: float | None = None
 
-    name, evidence, needs_joint = "tabulated", "solved", True
-
-    def __post_init__(self) -> None:
-        pass
+    name, needs_joint = "tabulated", True
 
     @classmethod
     def of(cls, joint: Any) -> Table:  # noqa: D102
@@ -442,33 +356,17 @@ class Table(Law):
 
     @classmethod
     def of_curve(cls, curve: Any) -> Table:
-        """Table of a `study.joint.Solution`.
-
-        The curve has at least 4 different depths > 0, a minimum depth of at most a tenth of the
-        maximum, and a force that increases with depth; else ``ValueError``. With 40 depths in
-        equal steps of sqrt(ds) from 0.025 to 1, at a resolution of 640, the law is within 1e-4 of
-        the elastic solution from a depth of 0.001 on. The default resolution of 320 leaves noise of
-        3e-4 in the curve at depths below 0.005.
-        """
-        joint, (depth, force) = curve.joint, _in_order(curve.depth_star, curve.force_star)
-        r2_star = float(joint.r2_star)
+        """Table of a `study.joint.Solution`."""
+        depth, force = tables.in_order(curve.depth_star, curve.force_star)
+        r2_star = float(curve.joint.r2_star)
         constants = tables.of_points(np.sqrt(depth), force / Hertz()(depth, r2_star))
-        return cls(r2_star, float(depth[-1]), constants, joint, curve)
+        return cls(r2_star, float(depth[-1]), constants, curve.joint, curve)
 
     @classmethod
     def of_values(cls, depth_star: ArrayLike, force_star: ArrayLike, r2_star: float) -> Table:
-        """Table of the values of a Python function, or of other forces at some depths.
+        """Table of normalised forces at normalised depths, such as those of a Python function.
 
         The table is exact for ds, ds^1.5 and ds^2, and smooth: it rounds kinks.
-
-        Parameters
-        ----------
-        depth_star, force_star
-            Normalised depths and forces, shape (n,), with at least 4 different depths > 0, of which
-            the minimum is at most a tenth of the maximum. The force increases with depth; else
-            ``ValueError``.
-        r2_star
-            R2* of the joint of the law.
 
         Examples
         --------
@@ -477,7 +375,7 @@ class Table(Law):
         >>> print(f"{law(0.3):.3f}, by the function {300 * 0.3**1.6:.3f}")
         43.703, by the function 43.703
         """
-        depth, force = _in_order(depth_star, force_star)
+        depth, force = tables.in_order(depth_star, force_star)
         r2_star = checks.number("r2_star", r2_star, above=1, scalar=True)
         constants = tables.of_secants(np.sqrt(depth), force / depth / hertz_factor(r2_star))
         return cls(r2_star, float(depth[-1]), constants)
@@ -486,55 +384,32 @@ class Table(Law):
         return Parts(hertz_factor(r2_star), shapes.table, self.constants)
 
 
-def _in_order(depth_star, force_star):
-    """Depths > 0 and forces for a table, in order of the depth."""
-    depth, force = np.broadcast_arrays(
-        checks.number("depth_star", depth_star), checks.number("force_star", force_star)
-    )
-    order = np.argsort(depth)
-    order = order[depth[order] > 0]
-    depth, force = depth[order], force[order]
-    if len(depth) < 4 or (np.diff(depth) <= 0).any():
-        raise ValueError(f"depth_star must be >= 4 different depths > 0, got {len(depth)}")
-    if depth[0] > 0.1 * depth[-1]:
-        raise ValueError(
-            "the minimum depth_star must be <= a tenth of the maximum, because a table is not "
-            f"reliable below it, got {depth[0]:g} and {depth[-1]:g}"
-        )
-    falls = np.diff(force, prepend=0) <= 0
-    if falls.any():
-        raise ValueError(
-            "force_star must be > 0 and increase with depth_star, but it does not at depth_star "
-            f"{depth[falls][0]:g}"
-        )
-    return depth, force
-
-
-PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
-"""The laws that the paper compares."""
-COMPARED_LAWS = (*PAPER_LAWS, "power", "stiffened_hertz")
-"""The laws that results of all laws show: another law changes none of them."""
-LAWS: dict[str, type[Law]] = {
-    law.name: law
-    for law in (Hertz, Steuermann, Liu, Winkler, HyperbolicWinkler, Power, StiffenedHertz, Table)
-}
-"""Class of each named law, by its name."""
+CLASSES: tuple[type[Law], ...] = (
+    Hertz,
+    Steuermann,
+    Liu,
+    Winkler,
+    HyperbolicWinkler,
+    Power,
+    StiffenedHertz,
+    Table,
+)
+"""All laws, in the order of tables and figures; a new one is added at the end."""
+LAWS = {law.name: law for law in CLASSES}
+"""Class of each law, by its name."""
 CLOSED_FORM = tuple(name for name in LAWS if name != Table.name)
 """Laws that need no elastic solution."""
-if TYPE_CHECKING:
-    LawName = str
-else:
-    LawName = Literal[tuple(LAWS)]
+PAPER_LAWS = ("hertz", "steuermann", "liu", "winkler", "hyperbolic_winkler")
+"""The laws that the paper compares."""
 AnyLaw = str | type[Law] | Law
 """Key of `LAWS`, or a law or its class."""
 
 
 def find(law: AnyLaw, joint: Any = None) -> Law:
-    """Law by its name or class, or a law itself.
+    """Law by its name or class, or a law itself; else ``ValueError``.
 
     With a ``joint``, a name or a class stands for the law `Law.of` this joint; without one, for the
-    law with its default numbers. Raises ``ValueError`` if there is no such law. The law of a Python
-    function is a table of its values, `Table.of_values`.
+    law with its default numbers.
     """
     if isinstance(law, Law):
         return law

@@ -1,8 +1,7 @@
-"""Materials by name, in SI units: typical values with their sources, in ``materials.csv``.
+"""Materials by name, with their sources in ``materials.csv``, and what laws need of two bodies.
 
 The properties of castings, heat treatments and polymers differ by tens of percent. For a design,
-give the values of its data sheets as a `Material`. Properties of two bodies that laws use are here
-too: composite modulus, Hertz's factor and maximum depth.
+give the values of its data sheets as a `Material`.
 """
 
 import csv
@@ -24,8 +23,8 @@ MATERIALS = Path(__file__).with_name("materials.csv")
 class Material:
     """An isotropic, linear elastic material.
 
-    The yield stress is used to predict yield (`study.joint.first_yield`). Forces do not depend on
-    it, and materials that differ only in their yield stress compare as equal.
+    Materials that differ only in their yield stress compare as equal, because forces do not depend
+    on it.
 
     Parameters
     ----------
@@ -34,7 +33,7 @@ class Material:
     poisson : float, default 0.3
         Poisson's ratio, > -1 and < 0.5.
     yield_stress : float, optional
-        Yield stress in Pa.
+        Yield stress in Pa, to predict yield.
 
     Examples
     --------
@@ -64,7 +63,7 @@ def in_words(of: Material) -> str:
 
 
 def material(given: str | Material, name: str = "material") -> Material:
-    """Material from its name or its numbers.
+    """Material from its name or its numbers; ``name`` is that of the body, for error messages.
 
     Parameters
     ----------
@@ -72,8 +71,6 @@ def material(given: str | Material, name: str = "material") -> Material:
         A name of `table`, where upper case, hyphens and spaces are ignored; or Young's modulus,
         Poisson's ratio and, optionally, yield stress as a text such as ``210GPa,0.3,500MPa``
         (plain numbers are in Pa); or a `Material`, which is checked and returned.
-    name
-        Name of the body, for error messages.
 
     Raises
     ------
@@ -117,28 +114,24 @@ def _plain(name):
 
 @lru_cache(maxsize=1)
 def table() -> tuple[dict[str, Any], ...]:
-    """Rows of ``materials.csv``: name, constants in Pa, condition and source of each material.
+    """Rows of ``materials.csv``, in Pa; the yield stress is None if the material has no usual one.
 
-    ``yield_stress`` is None if the material has no usual one. Raises `study.checks.StudyError` if
-    the file is missing or damaged.
+    Raises `study.checks.StudyError` if the file is missing or damaged.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
     with checks.intact("study/contact/materials.csv"):
         for row in csv.DictReader(MATERIALS.read_text(encoding="utf-8").splitlines()):
-            numbers: dict[str, Any] = {
-                name: checks.read(f"{name} of {row['name']}", row[name]) if row[name] else None
-                for name in ("youngs_modulus", "poisson", "yield_stress")
-            }
-            material(Material(**numbers), row["name"])
-            rows.append(row | numbers)
+            constants = "youngs_modulus", "poisson", "yield_stress"
+            rows.append(row | {of: float(row[of]) if row[of] else None for of in constants})
         if not rows:
             raise ValueError("no material")
     return tuple(rows)
 
 
 SOCKET_RATIO = 1.298
-"""Socket ratio (outer radius divided by inner radius) of the reference joint. The paper does not
-state it; with this value a fine mesh agrees best with Table 2 (notebook 13)."""
+"""Outer radius divided by inner radius of the reference joint. The paper does not state it; with
+this value a fine mesh agrees best with Table 2 (notebook 13)."""
+LIMIT_MARGIN = 1e-9  # by rounding, d/dR and R2/dR from radii in m may exceed a limit
 
 
 def composite_modulus(
@@ -146,17 +139,8 @@ def composite_modulus(
 ) -> float:
     """Composite modulus E* in Pa, from 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2.
 
-    Parameters
-    ----------
-    ball_modulus, socket_modulus
-        Young's moduli E1 and E2 in Pa, > 0.
-    ball_poisson, socket_poisson
-        Poisson's ratios nu1 and nu2, > -1 and < 0.5.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range.
+    E1 and E2 are Young's moduli in Pa, > 0, and nu1 and nu2 Poisson's ratios, > -1 and < 0.5; else
+    ``ValueError``.
 
     Examples
     --------

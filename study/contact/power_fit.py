@@ -1,8 +1,8 @@
 """The power law F = k d^n, fitted to a force over a range of penetration depths.
 
 Programs for multibody dynamics need the two numbers k and n. The fit minimises the maximum of the
-relative error, so that its error is known at every depth of the range. The usual measures of how
-well predicted values agree with given ones are here too.
+relative error, so that its error is known at every depth of the range. Measures of how well
+predicted values agree with given ones are here too.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -22,8 +22,7 @@ USUAL_RANGE = 0.05, 0.5
 class PowerFit(NamedTuple):
     """Fitted power law: force = ``coefficient`` depth^``exponent``.
 
-    The maximum relative error is ``error`` between the minimum and the maximum of the fit,
-    ``depths``. Beyond this range the error increases fast.
+    ``error`` is its maximum relative error between the minimum and the maximum of ``depths``.
     """
 
     coefficient: float
@@ -41,15 +40,11 @@ def fit_power(depth: ArrayLike, force: ArrayLike, exponent: float | None = None)
     """Fit a power law so that the maximum of the relative error is minimal.
 
     The error is (m - 1)/(m + 1), where m is the largest over the smallest ratio of law and force.
-    ln m is convex and piecewise linear in n. Its least value is at the slope between two of the
-    points in logarithms.
+    ln m is convex and piecewise linear in n. Its minimum is at the slope between two of the points
+    in logarithms.
 
-    Parameters
-    ----------
-    depth, force
-        Shape (n,), all > 0, in any units, with at least two different depths; else ``ValueError``.
-    exponent
-        Given, if only the coefficient is to be fitted.
+    Depths and forces, shape (n,), are > 0 in any units, with at least two different depths; else
+    ``ValueError``. With a given ``exponent``, only the coefficient is fitted.
     """
     depths, forces = np.asarray(depth, dtype=float), np.asarray(force, dtype=float)
     if depths.ndim != 1 or depths.size < 2 or depths.shape != forces.shape:
@@ -79,10 +74,7 @@ def rmse(reference: ArrayLike, prediction: ArrayLike) -> float:
 
 
 def determination(reference: ArrayLike, prediction: ArrayLike) -> float:
-    """Coefficient of determination R^2 = 1 - SSE/SST, by the usual definition.
-
-    SSE is the sum of squared differences, SST that of the given values about their mean.
-    """
+    """Coefficient of determination R^2 = 1 - SSE/SST, SST about the mean of the reference."""
     reference = np.asarray(reference)
     squares = np.sum((reference - prediction) ** 2)
     return float(1 - squares / np.sum((reference - reference.mean()) ** 2))

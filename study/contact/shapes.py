@@ -115,4 +115,14 @@ def cubic(x, left, slope, right, next_slope):
     return left + x * (slope + x * (c2 + x * c3)), slope + x * (2 * c2 + x * 3 * c3)
 
 
-SHAPES = (hertz, winkler, power, chord, liu, hyperbolic, stiffened, table)
+SHAPES = (
+    hertz,
+    winkler,
+    power,
+    chord,
+    liu,
+    hyperbolic,
+    stiffened,
+    table,
+)
+"""All shapes; compiled code holds a shape by its place, so that a new one is added at the end."""

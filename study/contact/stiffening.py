@@ -1,13 +1,12 @@
 """The factor by which thickness, materials and supports stiffen a joint relative to Hertz's law.
 
-The table of `study.contact.stiffened_hertz` has ln S at nine depths, as a Chebyshev series in five
+The table of `study.contact.StiffenedHertz` has ln S at nine depths, as a Chebyshev series in five
 coordinates of the joint. A clamped ball and a free rim have additional terms. The table is made by
 `study.dataset.stiffening_fit`, and ``data/README.md`` describes its format.
 
-It is evaluated once for each joint, with the same bits on every processor: every impact multiplies
-a difference of the last digits, so that two simulations of many impacts would differ by more than
-any tolerance. Therefore S is rounded to `DIGITS`, after the logarithms and sums that differ between
-processors, and only sums and products follow.
+It is evaluated with the same bits on every processor, because every impact multiplies a difference
+of the last digits. Therefore S is rounded to `DIGITS`, after the logarithms and sums that differ
+between processors, and only sums and products follow.
 """
 
 from functools import lru_cache
@@ -19,6 +18,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
+from study.contact.materials import LIMIT_MARGIN
 
 TABLE = Path(__file__).with_name("stiffening.csv")
 LEAST_R2_STAR = 20.0
@@ -56,10 +56,30 @@ def _to_powers():
 _POWERS = _to_powers()
 
 
-def share_of_ball(modulus_ratio: float, poisson: float, socket_poisson: float) -> float:
-    """Compliance ratio of the ball, (1 - nu1^2) E*/E1: 0 for a rigid ball, 1 for a rigid socket."""
-    ball = (1 - poisson**2) * modulus_ratio
-    return ball / (ball + 1 - socket_poisson**2)
+def constants(joint: Any) -> tuple[float, ...]:
+    """Coefficients c1 to c9 of S in a joint; a `RangeError` if the table is not valid for it."""
+    instead = "use the law tabulated, which is valid for any joint"
+    for unsuited, what in (
+        (joint.liner, "a socket with layers"),
+        (not joint.ball_support.is_half, f"ball_support {joint.ball_support}"),
+        (str(joint.opening) != "90", f"an opening of {joint.opening} deg"),
+        (not joint.is_held_all_round, f"socket_support {joint.socket_support}"),
+    ):
+        if unsuited:
+            raise checks.RangeError(f"stiffened_hertz is not valid for {what}; {instead}")
+    limits = {"r2_star": (LEAST_R2_STAR, None), **RANGES}
+    poissons = joint.ball.poisson, joint.socket.poisson
+    values = joint.r2_star, joint.socket_ratio, *poissons, joint.modulus_ratio
+    try:
+        for (name, (least, most)), value in zip(limits.items(), values, strict=True):
+            least *= 1 - LIMIT_MARGIN
+            checks.number(f"{name} of stiffened_hertz", value, least=least, most=most)
+    except checks.RangeError as error:
+        raise checks.RangeError(f"{error}; {instead}") from None
+    compliance_ratio = (1 - poissons[0] ** 2) * joint.modulus_shares[0]  # (1 - nu1^2) E*/E1
+    bodies = compliance_ratio, *poissons, joint.socket_ratio
+    supports = joint.ball_support.word == "clamped", joint.rim == "free"
+    return tuple(powers(joint.r2_star, bodies, *supports)[::-1].tolist())
 
 
 def coordinates(

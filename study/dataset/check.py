@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from study import checks, paths
-from study.dataset import compare, design, solutions, store
+from study.dataset import cached, compare, design, store
 
 
 def check(
@@ -18,20 +18,10 @@ def check(
 ) -> Iterator[tuple[str, str]]:
     """Yield the name of each check of the dataset and what it found.
 
-    Parameters
-    ----------
-    sample
-        Number of cases that are solved again: force-depth curves of the design, and solutions that
-        notebooks show. None is all of them, which takes some minutes.
-    seed
-        Seed of the random sample.
-    jobs
-        Number of processes, by default one for each core.
-
-    Raises
-    ------
-    study.dataset.DatasetError
-        For the first check that fails, with file, case and remedy.
+    ``sample`` is the number of cases that are solved again: force-depth curves of the design, and
+    solutions that notebooks show, drawn with ``seed``. None is all of them, which takes some
+    minutes. ``jobs`` is the number of processes, by default one for each core. Raises
+    `DatasetError` for the first check that fails, with file, case and remedy.
     """
     if sample is not None:
         checks.whole("sample", sample, least=1)
@@ -48,13 +38,13 @@ def check(
         _same(resource["path"], "columns", columns, fields, mend)
     yield "description", f"{len(described)} files are described"
     curves = store.load()
-    rows = {name: len(depths) for _, name, _, depths in design.every_case()}
+    rows = {case.name: len(case.depths) for case in design.every_case()}
     mend = "build them with: study data build"
     _same("force_curves.csv", "cases", curves.groupby("case").size().to_dict(), rows, mend)
     for kind, path in store.SOLUTIONS.items():
-        names = {case.name for case in solutions.cases() if case.kind == kind}
+        names = {case.name for case in cached.requests() if case.kind == kind}
         _same(f"solutions/{path.name}", "cases", set(store.read(path).case), names, mend)
-    yield "cases", f"{len(rows)} curves with {len(curves)} rows; {len(solutions.cases())} solutions"
+    yield "cases", f"{len(rows)} curves with {len(curves)} rows; {len(cached.requests())} solutions"
     yield "solved again", _solve_again(sample, seed, jobs)
 
 
@@ -72,7 +62,7 @@ def _same(name, what, found, wanted, mend):
 
 def _solve_again(sample, seed, jobs):
     """Solve cases again in several processes, and compare all of their numbers."""
-    every: list[Any] = [*design.every_case(), *solutions.cases()]
+    every: list[Any] = [*design.every_case(), *cached.requests()]
     drawn = every
     if sample is not None:
         numbers = np.random.default_rng(seed).choice(len(every), min(sample, len(every)), False)
@@ -87,12 +77,12 @@ def _solve_again(sample, seed, jobs):
 
 def _difference(case):
     """Where the stored rows of a case differ from its solution, or None."""
-    if isinstance(case, solutions.Case):
-        name, path, solved = case.name, store.SOLUTIONS[case.kind], solutions.solve(case)
+    if isinstance(case, cached.Request):
+        path, solved = store.SOLUTIONS[case.kind], cached.solve(case)
     else:
-        name, path, solved = case[1], store.CURVES, design.solve(case)
+        path, solved = store.CURVES, design.solve(case)
     rows = store.read(path)
-    tables = rows[rows.case == name], solved
+    tables = rows[rows.case == case.name], solved
     texts = (StringIO(store.as_csv(table, path.stem)) for table in tables)
     where = compare.differs(*texts, path.stem)
-    return where and f"{paths.shown(path)}: case {name} solved again differs: {where}"
+    return where and f"{paths.shown(path)}: case {case.name} solved again differs: {where}"

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from study.contact.stiffening import RANGES
-from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
+from study.dataset.store import PAPER_KINEMATICS, R2_STAR
 from study.joint import Joint, Kinematics, Layer, Material
 from study.joint.joint import REFERENCE_SUPPORTS
 
@@ -17,8 +18,15 @@ ROOT_DEPTHS = tuple(np.round(np.linspace(0.005**0.5, 1, 32) ** 2, 6).tolist())
 """Depths from 0.005 to 1, in equal steps of sqrt(depth_star)."""
 PAPER_R2_STARS = tuple(range(20, 301, 20))
 WIDER_R2_STARS = (400, 600, 1000, 2000, 5000, 10_000)
-Case = tuple[str, str, Joint, tuple[float, ...]]
-"""Group, name, joint and depths."""
+
+
+class Case(NamedTuple):
+    """One force-depth curve of the dataset."""
+
+    group: str
+    name: str
+    joint: Joint
+    depths: tuple[float, ...]
 
 
 def case_name(
@@ -158,26 +166,22 @@ DESIGN = (
 
 def every_case() -> list[Case]:
     """All cases of the design."""
-    return [(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
+    return [Case(s.group, name, joint, s.depths) for s in DESIGN for name, joint in s.cases()]
 
 
 def solve(case: Case) -> pd.DataFrame:
     """Rows of a case, in the columns of the dataset."""
-    group, name, joint, depths = case
-    solution = joint.solve(depth_star=depths)
+    solution = case.joint.solve(depth_star=case.depths)
     solved = ["solver", "depth_star", "force_star", "contact_half_angle_deg"]
     solved += ["peak_pressure_star", "error_estimate"]
-    columns = {"group": group, "case": name} | joint.columns()
+    columns = {"group": case.group, "case": case.name} | case.joint.columns()
     return pd.DataFrame(columns | {of: getattr(solution, of) for of in solved})
 
 
 def batches(cases: Iterable[Case]) -> Iterator[list[Case]]:
     """Cases in lists of cases with the same bodies, each of which takes some seconds."""
-
-    def kind(case):
-        return case[0], case[2].series_applies
-
-    for (_, by_series), of_kind in groupby(cases, kind):
+    by_kind = groupby(cases, lambda case: (case.group, case.joint.series_applies))
+    for (_, by_series), of_kind in by_kind:
         batch, size = list(of_kind), 12 if by_series else 36
         for k in range(0, len(batch), size):
             yield batch[k : k + size]

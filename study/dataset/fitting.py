@@ -2,8 +2,7 @@
 
 As in the paper, there is one coefficient f1 for each case, and then a surrogate of f1 over R2*. The
 surrogate is a straight line, because P* -> R2* F(ds) as R2* grows. Its intercept is the next order
-in 1/R2*. The published coefficients are not in our copy of the paper; these are fitted in this
-study. This module also selects the cost of a call of each law from the measured times.
+in 1/R2*.
 """
 
 import numpy as np
@@ -13,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from study.contact import HyperbolicWinkler, Law, Winkler, shapes
 from study.contact.laws import AREA_COEFFICIENTS
 from study.contact.power_fit import USUAL_RANGE, fit_power
-from study.dataset.paper import PAPER_KINEMATICS, R2_STAR
+from study.dataset.store import PAPER_KINEMATICS, R2_STAR
 
 FITTED_LAWS: dict[str, Law] = {
     name: HyperbolicWinkler(1.0, area) for area, name in AREA_COEFFICIENTS.items()
 } | {"winkler": Winkler(1.0)}
 """Name of the coefficients -> law with the coefficient 1."""
-DIGITS = 7  # significant, of a coefficient
 LARGEST_DEPTH = 0.5  # maximum depth of the fit, in clearances, as in the paper
 SAMPLE = np.linspace(0, LARGEST_DEPTH, 21)
 """Depths at which the paper evaluates its measures of agreement (inferred, notebook 13)."""
@@ -65,7 +63,7 @@ def surrogate(r2_star: ArrayLike, f1: ArrayLike) -> dict[str, float]:
 
 
 def _rounded(value):
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.7g}")
 
 
 def _power(curves):
@@ -86,8 +84,7 @@ def liu_coefficient(
     The published coefficient of determination, which is negative, depends only on the mean
     difference of law and finite elements (`study.claims.statistics.kappa_as_printed`). The force of
     Liu's law is the smaller one. ``force_star`` has the elastic forces at `SAMPLE`, for the R2* of
-    Table 2; ``unit`` is the force of the law divided by c R2*, at the same depths without 0, shape
-    (20,).
+    Table 2; ``unit`` is the force of the law over c R2*, at the same depths without 0, shape (20,).
     """
     force = np.asarray(force_star)
     missing = np.sqrt((1 - published_determination) * np.sum((force - force.mean()) ** 2))
@@ -111,9 +108,3 @@ def fit_laws(curves: pd.DataFrame, published: pd.DataFrame) -> dict[str, dict[st
     slope = liu_coefficient(force, liu_determination, unit)
     fits["liu"] = {"slope": _rounded(slope), "intercept": 0.0}
     return fits | {"power": _power(curves[curves.r2_star <= LARGEST_R2_STAR])}
-
-
-def relative_costs(measured: pd.DataFrame) -> dict[str, float]:
-    """Content of ``relative_costs.json``, from ``data/published/speed.csv``."""
-    laws = measured[measured.chart == "laws"]
-    return dict(zip(laws.method, laws.relative, strict=True))

@@ -1,9 +1,7 @@
-"""Table of Chebyshev coefficients, from joints that are solved at Chebyshev points.
+"""Table of Chebyshev coefficients of `study.contact.stiffening`, from joints at Chebyshev points.
 
-It is that of `study.contact.stiffened_hertz`. Each body is solved once for many
-joints, so that some 10,000 joints take two minutes. The grid is fine in the limit of large R2*, and
-coarse for the changes with a smaller R2*, because these are smooth. `study.contact.stiffening`
-evaluates the table, and notebook 15 shows its errors for other joints.
+The grid is fine in the limit of large R2*, and coarse for the changes with a smaller R2*, because
+these are smooth. Notebook 15 shows the errors of the table for other joints.
 """
 
 import itertools
@@ -21,21 +19,9 @@ from study.joint.axial import at_nodes
 from study.joint.supports import PLATES, RIMS
 from study.threads import one_thread
 
-Parts = Sequence[NDArray[np.float64]] | NDArray[np.float64]
-LIMITS = {
-    "ball_compliance_ratio": 9,
-    "poisson": 5,
-    "socket_poisson": 6,
-    "socket_ratio": 10,
-    "r2_star": 1,
-}
-CHANGES = {
-    "ball_compliance_ratio": 9,
-    "poisson": 5,
-    "socket_poisson": 4,
-    "socket_ratio": 6,
-    "r2_star": 3,
-}
+Logarithms = Sequence[NDArray[np.float64]]
+LIMITS = dict(zip(DEGREES, (9, 5, 6, 10, 1), strict=True))
+CHANGES = dict(zip(DEGREES, (9, 5, 4, 6, 3), strict=True))
 """Numbers of points of the coordinates: for infinite R2*, and for the changes with R2*."""
 _ORDER = ("socket_poisson", "socket_ratio", "ball_compliance_ratio", "poisson", "r2_star")
 RESOLUTION = 128  # of the table's joints
@@ -44,7 +30,7 @@ COARSER = 96  # for the changes with R2*, which are at large depths
 LARGEST = 1e9  # R2*, practically infinite
 THICK = 1e4  # ratio of the thickest socket solved: 1e-4 of the coordinate from the limit
 DEEPEST = 1.15  # depth_star of the curves, as fits are poor at their ends
-SMALLEST = 8e-5  # coefficient of the table
+SMALLEST = 8e-5  # coefficient that is kept in the table
 
 
 @one_thread
@@ -103,17 +89,15 @@ def at_places(depth: NDArray[np.float64], factor: NDArray[np.float64]) -> NDArra
     return np.log1p(PLACES[:, None] ** powers @ coefficients)
 
 
-def table(
-    limits: Parts, changes: Parts = (), smallest: float = SMALLEST, counts: dict[str, int] = LIMITS
-) -> pd.DataFrame:
+def table(limits: Logarithms, changes: Logarithms) -> pd.DataFrame:
     """Table of `study.contact.stiffening`: Chebyshev coefficients, without small ones.
 
     ``limits`` are the `logarithms` for each Poisson's ratio of the socket and infinite R2*, on the
-    grid of ``counts``. ``changes`` are those on the grid of `CHANGES`, of which only the changes
-    with R2* are used. Coefficients below ``smallest`` are left out.
+    grid of `LIMITS`. ``changes`` are those on the grid of `CHANGES`, of which only the changes with
+    R2* are used.
     """
-    terms = np.zeros((*(max(counts[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
-    for part, places in ((limits, counts), (changes, CHANGES))[: 2 if len(changes) else 1]:
+    terms = np.zeros((*(max(LIMITS[n], CHANGES[n]) for n in DEGREES), 2, 2, len(PLACES)))
+    for part, places in (limits, LIMITS), (changes, CHANGES):
         shape = [places[name] for name in _ORDER]
         values = np.reshape(part, (*shape, *terms.shape[5:])).transpose(2, 3, 0, 1, 4, 5, 6, 7)
         values = values - values[:, :, :, :, :1] if places is CHANGES else values
@@ -127,7 +111,7 @@ def table(
     terms[..., 1, 1, :] -= terms[..., 1, 0, :] + terms[..., 0, 1, :] - terms[..., 0, 0, :]
     terms[..., 1, 0, :] -= terms[..., 0, 0, :]
     terms[..., 0, 1, :] -= terms[..., 0, 0, :]
-    kept = np.argwhere(np.abs(terms).max(axis=-1) >= smallest)
+    kept = np.argwhere(np.abs(terms).max(axis=-1) >= SMALLEST)
     named = [f"at_{k}" for k in range(1, len(PLACES) + 1)]
     whole = np.rint(terms[tuple(kept.T)] / UNIT).astype(int)
     rows = pd.DataFrame(np.hstack([kept, whole]), columns=[*DEGREES, *SUPPORTS, *named])

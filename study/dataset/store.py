@@ -17,13 +17,18 @@ from filelock import FileLock
 
 from study import checks, contact, paths
 from study.contact.laws import COEFFICIENTS
+from study.contact.materials import MATERIALS
 from study.contact.stiffening import TABLE
 from study.dataset.compare import DIGITS, differs
-from study.dataset.paper import PAPER_KINEMATICS
 
 if TYPE_CHECKING:
     from study.joint import Kinematics
 
+R2_STAR = 200
+"""R2* of the paper's comparison of laws (Fig. 10 and Table 2), and of the joint's variations."""
+PAPER_KINEMATICS: "Kinematics" = "linear"
+"""Kinematics of the paper's finite elements, inferred from Table 2 (notebook 13). Only with these
+does the relative RMSE of Fig. 14 rise, and its coefficient of determination fall, with R2*."""
 CURVES = paths.DATA / "force_curves.csv"
 CASES = paths.DATA / "solutions/cases.json"
 SOLUTIONS = {
@@ -32,22 +37,15 @@ SOLUTIONS = {
     "tilted": paths.DATA / "solutions/tilted_contacts.csv",
     "loaded": paths.DATA / "solutions/loaded_joints.csv",
 }
-"""Kind of solution -> file; `study.dataset.solutions` reads them."""
+"""Kind of solution -> file; `study.dataset.cached` reads them."""
 TABLES = paths.DATA / "published/tables.csv"
-REFERENCES = paths.DATA / "published/joint.csv"
-OTHERS = paths.DATA / "published/others.csv"
 SPEED = paths.DATA / "published/speed.csv"
 PACKAGE = paths.DATA / "datapackage.json"
 HASHES = paths.DATA / "SHA256SUMS"
-MATERIALS = paths.STUDY / "contact/materials.csv"
 RELATIVE_COSTS = paths.STUDY / "choose/relative_costs.json"
 LOOKS = paths.STUDY / "pages/looks.csv"
 LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
 """Files of numbers in the folders of the modules that read them."""
-
-
-MANY = 30
-"""Maximum number of values of a column that a message lists."""
 
 
 class DatasetError(checks.StudyError):
@@ -57,31 +55,23 @@ class DatasetError(checks.StudyError):
 def load(**filters: Any) -> pd.DataFrame:
     """The force-depth curves as a table with one row for each case and depth.
 
-    ``datapackage.json`` has the unit and the meaning of every column. A filter is the name of a
-    column with a value, or a list of values: only rows with these values are returned. Raises
-    `DatasetError` as `read` does, and ``ValueError`` if a column or value is unknown or if no row
-    is left.
+    A filter is the name of a column with a value, or a list of values: only rows with these values
+    are returned. Raises `DatasetError` as `read` does, and ``ValueError`` if a column or value is
+    unknown or if no row is left.
     """
     curves = frame = read(CURVES, keep_default_na=False)  # no layers: an empty text
     for column, wanted in filters.items():
         checks.choice("column", column, tuple(curves.columns))
-        values = [wanted] if np.isscalar(wanted) else list(wanted)
+        values: list[Any] = [wanted] if np.isscalar(wanted) else list(wanted)
         left = frame[frame[column].isin(values)]
         unknown = [value for value in values if value not in set(curves[column])]
         if unknown or left.empty:
-            wrong = (unknown or values)[0]
-            raise ValueError(_allowed(column, (curves if unknown else frame)[column], wrong))
+            known = (curves if unknown else frame)[column].unique().tolist()
+            is_word = isinstance(known[0], str) and column != "case"
+            allowed = f"one of {', '.join(known)}" if is_word else "one that study data show lists"
+            raise ValueError(f"{column} must be {allowed}, got {(unknown or values)[0]}")
         frame = left
     return frame.reset_index(drop=True)
-
-
-def _allowed(column, values, wrong):
-    """The message for a value that a column does not have."""
-    known = [f"{value:g}" if isinstance(value, float) else value for value in values.unique()]
-    wanted = (
-        f"one of {', '.join(known)}" if len(known) <= MANY else "one that study data show lists"
-    )
-    return f"{column} must be {wanted}, got {wrong}"
 
 
 def paper_curves(
@@ -94,8 +84,7 @@ def paper_curves(
 def published(where: str | None = None) -> pd.Series:
     """Numbers that the paper prints, by ``where``, ``row`` and ``quantity``.
 
-    With ``where``, for example ``"Table 2"``, only the numbers of this table or figure are
-    returned, by ``row`` and ``quantity``.
+    With ``where``, for example ``"Table 2"``, they are those of this table or figure.
     """
     frame = read(TABLES)
     if where is not None:
@@ -107,9 +96,8 @@ def published(where: str | None = None) -> pd.Series:
 def published_table_2() -> pd.DataFrame:
     """Table 2 with the signs that the paper leaves out: absolute values above 1 are negative.
 
-    It has a row for each law, and the columns ``kappa_as_printed``, ``kappa_adjusted_as_printed``
-    and ``RMSE``. The paper's coefficient of determination kappa differs from that by the usual
-    definition (`study.claims.statistics`).
+    The paper's coefficient of determination kappa differs from that by the usual definition
+    (`study.claims.statistics`).
     """
     table = published("Table 2").rename({"proposed": "hyperbolic_winkler"}).unstack()
     names = {
@@ -125,12 +113,12 @@ def published_table_2() -> pd.DataFrame:
 
 def reference_forces() -> pd.DataFrame:
     """Forces from independent solutions; ``trust`` is the relative deviation to allow."""
-    return read(REFERENCES)
+    return read(paths.DATA / "published/joint.csv")
 
 
 def others() -> pd.DataFrame:
     """Published numbers of balls in sockets, with their joints."""
-    return read(OTHERS, dtype={"unit": str})
+    return read(paths.DATA / "published/others.csv", dtype={"unit": str})
 
 
 def measured(chart: str | None = None) -> pd.DataFrame:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.checks import percent
-from study.contact import LAWS, Law, Table, shapes
+from study.contact import LAWS, Law, Power, Table, shapes
 from study.contact.laws import AnyLaw, find
 from study.contact.power_fit import DEPTHS, USUAL_RANGE
 from study.joint import Joint
@@ -183,7 +183,7 @@ class _Content:
     def __init__(self, law, joint, depth_star, tilt, shallowest):
         self.joint = joint
         kind = LAWS.get(law) if isinstance(law, str) else None
-        fitted = kind is not None and len(kind.fitted_constants) > 1
+        fitted = kind is Power
         least, deepest = _range(depth_star, fitted, shallowest)
         self.exact = joint.table(None if fitted else deepest, tilt)
         if deepest is not None and self.exact.deepest < deepest:
@@ -193,7 +193,7 @@ class _Content:
         self.law: Law = self.exact
         if fitted:
             places = np.geomspace(least, deepest, DEPTHS)
-            self.law = kind.fit(joint, places, self.exact(places))
+            self.law = Power.fit(joint, places, self.exact(places))
         elif kind is not Table:
             self.law = find(law, joint)
         first = float(curve.depth_star[0])

@@ -15,9 +15,9 @@ from study.contact import (
     Table,
     laws,
     material,
+    materials,
 )
 from study.contact.damping import damping_factor
-from study.contact.materials import MATERIALS, table
 from study.contact.power_fit import fit_power
 from study.joint import Joint
 
@@ -41,6 +41,7 @@ def of_curve(*depths):
 INPUTS = [
     (lambda: contact.Hertz()(0.1, 1.0), "r2_star must be > 1, got 1"),
     (lambda: contact.Hertz()([0.1, inf], 200), "depth_star must be finite, got inf"),
+    (lambda: contact.Hertz()(np.ma.array([0.1], mask=[True]), 200), "a number, got masked_array"),
     (lambda: contact.Hertz()(0.1), "r2_star must be a number, got None"),
     (lambda: contact.Hertz()([0.1, 0.2], [20, 30, 40]), "shape mismatch"),
     (lambda: STIFF(1.01), "stiffened_hertz must be <= 1, got 1.01"),
@@ -78,10 +79,6 @@ INPUTS = [
     (lambda: FORCES["hertz"].depth(-1.0), "force of hertz must be >= 0 N, got -1 N"),
     (lambda: FORCES["hertz"].depth(inf), "force of hertz must be finite and >= 0 N, got inf N"),
     (lambda: FORCES["hyperbolic_winkler"].force(1e-4), "must be <= 6.1685e-05 m, got 0.0001 m"),
-    # joints far from any real one
-    (lambda: Joint.from_ratios(1e308), "r2_star must be >= 10 and <= 1e+09, got 1e+308"),
-    (lambda: Joint.from_ratios(9), "r2_star must be >= 10, got 9; such a loose ball is not in"),
-    (lambda: Joint.from_ratios(modulus_ratio=1e-10), "modulus_ratio must be >= 1e-09"),
     (lambda: Joint.from_ratios(ball=Material(1), socket=Material(1e12)), "must be >= 1e-09"),
     # damping
     (lambda: damping_factor("exact", 0.0), "for damping exact must be >= 0.001, got 0"),
@@ -118,30 +115,14 @@ def test_a_force_beyond_the_largest_depth_names_the_largest_force(law):
         law.depth([0.1 * largest, 2 * largest])
 
 
-HEAD = "name,youngs_modulus,poisson,yield_stress,condition,source\nbrass,1e11,0.3,,c,s\n"
+HEAD = "name,youngs_modulus,poisson,yield_stress,condition,source\n"
 
 
-@pytest.mark.parametrize(
-    ("content", "why"),
-    [
-        ("", "git checkout -- study/contact/materials.csv, "),
-        ("name,poisson\nsteel,0.3\n", "git checkout -- study/contact/materials.csv, "),
-        (f"{HEAD}steel,abc,0.3,,c,s", "(youngs_modulus of steel must be a number, got 'abc')"),
-        (f"{HEAD}steel,210,0.3,,c,s", "Young's modulus of steel must be >= 100000 Pa, got 210"),
-    ],
-)
-def test_a_damaged_table_of_materials(content, why, tmp_path, monkeypatch):
-    monkeypatch.setattr(contact.materials, "MATERIALS", tmp_path / MATERIALS.name)
-    (tmp_path / MATERIALS.name).write_text(content)
-    table.cache_clear()
-    with pytest.raises(checks.StudyError, match=re.escape(why)) as raised:
+@pytest.mark.parametrize("content", ["", "name,poisson\nsteel,0.3\n", f"{HEAD}steel,abc,0.3,,c,s"])
+def test_a_damaged_table_of_materials(content, tmp_path, monkeypatch):
+    monkeypatch.setattr(materials, "MATERIALS", tmp_path / "materials.csv")
+    monkeypatch.setattr(materials, "table", materials.table.__wrapped__)
+    materials.MATERIALS.write_text(content)
+    wanted = r"materials.csv is missing or damaged.*git checkout -- study/contact/materials.csv, "
+    with pytest.raises(checks.StudyError, match=wanted):
         material("brass")
-    table.cache_clear()
-    assert "is missing or damaged" in str(raised.value)
-    assert "\n" not in str(raised.value)
-
-
-def test_a_masked_depth():
-    masked = np.ma.array([0.1, 0.2], mask=[True, False])
-    with pytest.raises(ValueError, match="depth_star must be a number, got masked_array"):
-        contact.Hertz()(masked, 200)

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from helpers.laws import VARIANTS
-from hypothesis import given
-from hypothesis import strategies as st
 
 from study.contact import DimensionalLaw
 from study.joint import Joint
@@ -40,17 +38,3 @@ def test_depth_is_the_inverse_of_force(name):
     if LAWS[name].deepest is None:
         force = np.array([1e-30, 1e-3, 1e6, 1e20])
         assert law.force(law.depth(force)) == pytest.approx(force, rel=1e-12)
-
-
-def test_largest_depths():
-    assert DimensionalLaw(LAWS["stiffened_hertz"], **SIZES).deepest == pytest.approx(CLEARANCE)
-    limit = DimensionalLaw("hyperbolic_winkler", **SIZES).deepest
-    assert limit == pytest.approx(np.pi**2 / 8 * CLEARANCE)
-    assert CLEARANCE <= DimensionalLaw(SOFT, **SIZES).deepest < 1.1 * CLEARANCE
-
-
-@given(st.sampled_from(list(LAWS)), st.floats(1e-12, 1))
-def test_force_of_the_depth_of_a_force(name, share):
-    law = DimensionalLaw(LAWS[name], **SIZES)
-    force = share * law.force(min(law.deepest, 10 * CLEARANCE))
-    assert law.force(law.depth(force)) == pytest.approx(force, rel=1e-11)

@@ -1,10 +1,7 @@
 """Laws against closed forms, high-precision arithmetic, and their own derivatives."""
 
-import json
-
 import mpmath
 import numpy as np
-import pandas as pd
 import pytest
 from helpers.laws import VARIANTS
 from hypothesis import given
@@ -39,40 +36,41 @@ def test_bracket_is_exact_to_1e_12(ds, area):
         assert abs(slope / mpmath.diff(exact, mpmath.mpf(ds), h=mpmath.mpf(ds) * 1e-20) - 1) < 1e-12
 
 
-@pytest.mark.parametrize("area", ["sphere", "flat"])
-def test_bracket_is_the_integral_over_the_contact(area):
+@pytest.mark.parametrize(("area", "weight"), [("sphere", mpmath.sin), ("flat", lambda t: t)])
+def test_bracket_is_the_integral_over_the_contact(area, weight):
     a = mpmath.sqrt(2 * mpmath.mpf("0.4"))
-    weight = {"sphere": mpmath.sin, "flat": lambda t: t}[area]
     integral = mpmath.quad(lambda t: 2 * (1 - t**2 / a**2) * mpmath.cos(t) * weight(t), [0, a])
     force = contact.HyperbolicWinkler(1.0, area)(0.4, 200)
     assert force == pytest.approx(float(0.4 * integral), rel=1e-12)
 
 
 def test_hertz_is_the_textbook_formula():
-    r1, r2, modulus, d = 9.95e-3, 10e-3, 1.1e11, 2e-5
-    radius = 1 / (1 / r1 - 1 / r2)
-    expected = 4 / 3 * modulus * np.sqrt(radius) * d**1.5
-    sizes = {"ball_radius": r1, "socket_radius": r2, "composite_modulus": modulus}
-    law = contact.DimensionalLaw("hertz", **sizes)
-    assert law.force(d) == pytest.approx(expected, rel=1e-12)
+    radius = 1 / (1 / 9.95e-3 - 1 / 10e-3)
+    law = contact.DimensionalLaw(
+        "hertz", ball_radius=9.95e-3, socket_radius=10e-3, composite_modulus=1.1e11
+    )
+    assert law.force(2e-5) == pytest.approx(4 / 3 * 1.1e11 * np.sqrt(radius) * 2e-5**1.5, rel=1e-12)
 
 
 @given(depths, radii)
-def test_steuermann_of_a_parabola_is_hertz(ds, r2_star):
+def test_limits_of_laws_are_other_laws(ds, r2_star):
     parabola = contact.Steuermann(1, "profile")(ds, r2_star)
     assert parabola == pytest.approx(contact.Hertz()(ds, r2_star), rel=1e-9)
+    hyperbolic = contact.HyperbolicWinkler(2.0)(1e-4 * ds, r2_star)
+    assert hyperbolic == pytest.approx(contact.Winkler(2.0)(1e-4 * ds, r2_star), rel=1e-4 * ds)
 
 
+@pytest.mark.parametrize("r2_star", [1.0005, 200])  # also a nearly full ball
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 50])
-def test_steuermann_profile_is_johnsons_formula(n):
-    r2 = mpmath.mpf(200)
+def test_steuermann_profile_is_johnsons_formula(n, r2_star):
+    r2 = mpmath.mpf(r2_star)
     gap = mpmath.binomial(mpmath.mpf(1) / 2, n) * (-1) ** (n + 1)  # of R - sqrt(R^2 - r^2)
     a_n = gap * ((r2 - 1) ** (1 - 2 * n) - r2 ** (1 - 2 * n))
     even = mpmath.fprod(range(2, 2 * n + 1, 2))
     c_n = even / mpmath.fprod(range(1, 2 * n, 2))
     radius = (mpmath.mpf("0.3") / (c_n * a_n)) ** (mpmath.mpf(1) / (2 * n))
     expected = mpmath.mpf(4 * n) / (2 * n + 1) * radius * mpmath.mpf("0.3")
-    force = contact.Steuermann(n, "profile")(0.3, 200)
+    force = contact.Steuermann(n, "profile")(0.3, r2_star)
     assert force == pytest.approx(float(expected), rel=1e-11)
 
 
@@ -85,35 +83,15 @@ def test_steuermann_and_liu_as_identified_from_table_2():
     assert contact.Liu()(0.5, 200) == pytest.approx(expected)
 
 
-def test_the_papers_law_has_the_area_of_a_disc_unless_told_otherwise():
-    disc, sphere = (contact.HyperbolicWinkler(area=area)(0.3, 200) for area in ("flat", "sphere"))
-    assert contact.HyperbolicWinkler()(0.3, 200) == disc
-    assert 0.01 < abs(sphere / disc - 1) < 0.05  # each with its own coefficient
-
-
-@given(st.floats(1e-9, 1e-4), radii)
-def test_hyperbolic_law_becomes_the_classical_one_at_small_depth(ds, r2_star):
-    hyperbolic = contact.HyperbolicWinkler(2.0)(ds, r2_star)
-    assert hyperbolic == pytest.approx(contact.Winkler(2.0)(ds, r2_star), rel=ds)
-
-
 @every_variant
 @given(ds=depths, r2_star=radii)
-def test_derivative_is_that_of_the_force(name, ds, r2_star):
+def test_derivative_is_that_of_the_force_and_positive(name, ds, r2_star):
     law, step = VARIANTS[name](r2_star), 1e-5 * ds
     slope = (law(ds + step, r2_star) - law(ds - step, r2_star)) / (2 * step)
     assert law(ds, r2_star, derivative=True) == pytest.approx(slope, rel=1e-6)
-
-
-@every_variant
-@given(ds=depths, r2_star=radii, factor=st.floats(1.001, 2))
-def test_force_increases_with_depth_and_vanishes_without_contact(name, ds, r2_star, factor):
-    law = VARIANTS[name](r2_star)
-    deeper = min(ds * factor, 1.0)
-    assert law(deeper, r2_star) > law(ds, r2_star) > 0
+    assert min(slope, law(ds, r2_star)) > 0
     for derivative in (False, True):
-        assert law(-ds, r2_star, derivative=derivative) == 0
-        assert law(0.0, r2_star, derivative=derivative) == 0
+        assert not law([-ds, 0.0], r2_star, derivative=derivative).any()  # without contact
 
 
 @pytest.mark.parametrize("name", [name for name in VARIANTS if "stiffened" not in name])
@@ -146,39 +124,20 @@ def test_a_power_of_the_depth_says_so(name):
     assert exponents[0] == pytest.approx(law.exponent_of_depth or exponents[0], rel=1e-12)
 
 
-def test_composite_modulus_of_equal_bodies():
-    assert contact.composite_modulus(2e11, 0.3, 2e11, 0.3) == pytest.approx(2e11 / (2 * 0.91))
-
-
 def test_stored_coefficients_are_the_fit_to_the_stored_curves():
-    stored = json.loads(laws.COEFFICIENTS.read_text())
-    fitted = fitting.fit_laws(dataset.load(), pd.read_csv(store.TABLES))
-    assert set(fitted) <= set(stored)
-    for law in fitted:
-        assert stored[law] == pytest.approx(fitted[law], rel=1e-7)
+    fitted = fitting.fit_laws(dataset.load(), store.read(store.TABLES))
+    assert fitted.keys() == laws.fitted_coefficients().keys()
+    for law, stored in laws.fitted_coefficients().items():
+        assert stored == pytest.approx(fitted[law], rel=1e-7)
 
 
-@pytest.fixture(scope="module")
-def curve():
-    return Joint.from_ratios(200).solve(depth_star=np.linspace(0.025, 1, 40) ** 2, resolution=640)
-
-
-def test_tabulated_law_is_its_curve(curve):
+def test_tabulated_law_is_its_curve():
+    joint, between = Joint.from_ratios(200), np.linspace(0.031, 0.997, 30) ** 2
+    curve = joint.solve(depth_star=np.linspace(0.025, 1, 40) ** 2, resolution=640)
     law = contact.Table.of_curve(curve)
     assert law(curve.depth_star) == pytest.approx(curve.force_star, rel=1e-6)
-    between = np.linspace(0.031, 0.997, 30) ** 2
-    exact = Joint.from_ratios(200).solve(depth_star=between, resolution=640).force_star
+    exact = joint.solve(depth_star=between, resolution=640).force_star
     assert np.abs(law(between) / exact - 1).max() < 1e-4
     assert law(1e-9) == pytest.approx(contact.Hertz()(1e-9, 200), rel=1e-3)
-    assert law(-0.1) == 0
-
-
-def test_tabulated_law_is_smooth_and_increasing(curve):
-    law = contact.Table.of_curve(curve)
-    ds = np.linspace(1e-3, 1, 3001)
-    force, slope = law(ds), law(ds, derivative=True)
-    assert (np.diff(force) > 0).all()
-    step = 1e-6
-    numeric = (law(ds[:-1] + step) - law(ds[:-1] - step)) / (2 * step)
-    assert slope[:-1] == pytest.approx(numeric, rel=1e-6)
-    assert (np.diff(slope) > 0).all()  # and the contact stiffens, without a jump
+    stiffness = law(np.linspace(1e-3, 1, 3001), derivative=True)
+    assert (np.diff(stiffness, prepend=0) > 0).all()  # the contact stiffens, without a jump

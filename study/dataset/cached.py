@@ -1,9 +1,9 @@
 """Elastic solutions that notebooks show: read if they are stored, else solved.
 
-``data/solutions/cases.json`` names the joint and the other arguments of each stored solution, and
-each kind has a file of results in the same folder. Stored and solved results are the same numbers,
-because arguments and results are rounded to 9 significant digits. `store_cases` adds a case to the
-list, and ``study data build`` solves it.
+``data/solutions/cases.json`` has the `Request` of each stored solution, and each kind has a file of
+results in the same folder. Stored and solved results are the same numbers, because arguments and
+results have 9 significant digits. `store_requests` writes the list, and ``study data build`` solves
+what is new.
 """
 
 import hashlib
@@ -32,7 +32,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 """Arrays of a `study.joint.Solution` that are stored, by the kind of solution."""
 
 
-class Case(NamedTuple):
+class Request(NamedTuple):
     """One solution: a kind of `store.SOLUTIONS`, and the arguments of the joint and of its kind."""
 
     kind: str
@@ -41,7 +41,7 @@ class Case(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name in the files: ten digits that follow from the case."""
+        """Name in the files: ten digits that follow from the request."""
         text = self.kind + json.dumps(self.joint) + json.dumps(self.arguments)
         return hashlib.sha256(text.encode()).hexdigest()[:10]
 
@@ -101,39 +101,39 @@ def _solution(kind, joint, rows, **more):
     return Solution(joint=joint, solver="stored", **stored, **more)
 
 
-def case_of(kind: str, joint: Joint, arguments: dict[str, Any]) -> Case:
-    """Case of a joint and the other arguments of its kind."""
+def request_of(kind: str, joint: Joint, arguments: dict[str, Any]) -> Request:
+    """Request for a joint with the other arguments of the kind."""
     renamed = {"layers": "layer"}  # in the file
     written = {renamed.get(name, name): value for name, value in joint.arguments().items()}
-    return Case(kind, written, _rounded(arguments))
+    return Request(kind, written, _rounded(arguments))
 
 
-def joint_of(case: Case) -> Joint:
-    """Joint of a case."""
-    if case.kind == "loaded":
-        return Joint(**case.joint)
-    given = dict(case.joint)
+def joint_of(request: Request) -> Joint:
+    """Joint of a request."""
+    if request.kind == "loaded":
+        return Joint(**request.joint)
+    given = dict(request.joint)
     if "layer" in given:
         given["layers"] = given.pop("layer")
     return Joint.from_ratios(**given)
 
 
-def solve(case: Case) -> pd.DataFrame:
-    """Results of a case, rounded to 9 significant digits, with the columns of its kind's file."""
-    joint, given = joint_of(case), dict(case.arguments)
-    if case.kind == "stress":
+def solve(request: Request) -> pd.DataFrame:
+    """Results of a request with 9 significant digits, and with the columns of its kind's file."""
+    joint, given = joint_of(request), dict(request.arguments)
+    if request.kind == "stress":
         tables = over_depth(joint, **given)
         frame = pd.concat(
             pd.DataFrame({"body": body} | of._asdict()) for body, of in tables.items()
         )
     else:
-        if case.kind == "axial" and given["depth_star"] is None:
+        if request.kind == "axial" and given["depth_star"] is None:
             solved = joint.curve(1.0, resolution=given["resolution"])
         else:
-            solved = joint.solve(**given, stresses=case.kind == "loaded")
-        arrays = {name: getattr(solved, name) for name in COLUMNS[case.kind]}
+            solved = joint.solve(**given, stresses=request.kind == "loaded")
+        arrays = {name: getattr(solved, name) for name in COLUMNS[request.kind]}
         frame = pd.DataFrame({k: np.nan if of is None else of for k, of in arrays.items()})
-    if case.kind == "loaded":
+    if request.kind == "loaded":
         factors = {body: of[0] for body, of in solved.yield_factor.items() if of is not None}
         body = min(factors, key=factors.__getitem__)
         near, largest = solved.pressure_star[0] > 0, solved.stress[body]
@@ -143,35 +143,36 @@ def solve(case: Case) -> pd.DataFrame:
         frame = frame.merge(of_angles, how="cross")
     numbers = frame.select_dtypes("float").columns
     frame[numbers] = frame[numbers].map(_rounded)
-    frame.insert(0, "case", case.name)
+    frame.insert(0, "case", request.name)
     return frame.reset_index(drop=True)
 
 
-def cases() -> list[Case]:
-    """Cases of the stored solutions."""
+def requests() -> list[Request]:
+    """Requests whose solutions are stored."""
     store.verify([store.CASES])
-    return [Case(**case) for case in json.loads(store.CASES.read_text(encoding="utf-8")).values()]
+    listed = json.loads(store.CASES.read_text(encoding="utf-8"))
+    return [Request(**request) for request in listed.values()]
 
 
-def store_cases(every: Iterable[Case]) -> None:
-    """Write the list of cases, a line for each, and its hash."""
-    lines = [f'"{case.name}": {json.dumps(case._asdict())}' for case in every]
+def store_requests(every: Iterable[Request]) -> None:
+    """Write the list of requests, a line for each, and its hash."""
+    lines = [f'"{request.name}": {json.dumps(request._asdict())}' for request in every]
     with paths.whole(store.CASES) as temporary:
         temporary.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
     store.write_hashes([store.CASES])
 
 
 def _rows(kind, joint, arguments):
-    """Results of a case, stored or solved now."""
-    case = case_of(kind, joint, arguments)
-    if case.name in (stored := _stored(kind)):
-        return stored[case.name]
-    return solve(case)
+    """Results of a request, stored or solved now."""
+    request = request_of(kind, joint, arguments)
+    if request.name in (stored := _stored(kind)):
+        return stored[request.name]
+    return solve(request)
 
 
 @cache
 def _stored(kind):
-    """Stored results of one kind, by the names of their cases."""
+    """Stored results of one kind, by the names of their requests."""
     frame = store.read(store.SOLUTIONS[kind])
     return {name: rows.reset_index(drop=True) for name, rows in frame.groupby("case", sort=False)}
 
