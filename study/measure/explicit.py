@@ -49,7 +49,7 @@ def acceleration(y, contact, approach, p, law, work, out):
         sp = (y[EY] - p.l1 * st) / p.l2
         psi = (y[EY_RATE] - p.l1 * ct * y[OMEGA]) / (p.l2 * sqrt(1 - sp * sp))
         regime = friction_regime(r * spin + p.r1 * psi, p.v0, p.v1)
-    motion, _ = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
+    motion = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
     out[THETA], out[EX], out[EY] = motion.accelerations
     if closed:
         outward, across = out[EX] - r * spin * spin, r * out[EY] + 2 * rate * spin

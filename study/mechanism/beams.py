@@ -14,11 +14,12 @@ from math import inf
 from typing import NamedTuple, get_args
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from study.compiled import compiled
 from study.contact.forces import friction_regime, joint_forces
-from study.mechanism import stepping
+from study.mechanism import loads, stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
 from study.mechanism.scene import Body, Scene
@@ -46,8 +47,8 @@ SECTION = np.dtype(
 """An element: its length, stiffnesses, and mass and rotary inertia per length."""
 Ball = namedtuple("Ball", "x y turn slider")
 """Numbers of the unknowns of the ball, and of the slider's position."""
-System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
-"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
+System = namedtuple("System", "sections unknowns ball pin held mass weight initial rates ideal")
+"""Elements of both links on +x, their unknowns numbered along the chain, mass and weight.
 
 ``sections`` has a `SECTION` for each element, ``unknowns`` the numbers of (x, y, rotation) at both
 of its ends; ``pin`` is the number of the pin's x, and ``held`` those of unknowns whose rate is
@@ -92,11 +93,10 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
         masses = link.mass_per_length, link.rotary_per_length
         rows += [(length, link.axial, shear, link.bending, *masses)] * n
     sections, unknowns = np.array(rows, SECTION), np.column_stack([*near, *far])
-    mass, load = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
+    mass, weight = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
     mass[ball.slider, BAND] += scene.slider_mass
-    load[CRANK] = 0.0 if scene.crank_speed is not None else scene.driving_moment
     numbers = unknowns, ball, int(x[pin]), np.array(held)
-    return System(sections, *numbers, mass, load, initial, speeds, ideal)
+    return System(sections, *numbers, mass, weight, initial, speeds, ideal)
 
 
 def _mass_and_weight(sections, unknowns, size, gravity):
@@ -221,15 +221,32 @@ def _solve(matrix, right):
         right[i] /= matrix[i, BAND]
 
 
+@register_jitable
+def _on_crank(q, v, p):
+    """Load on the crank."""
+    return loads.on_crank(p, q[CRANK], v[CRANK])
+
+
+@register_jitable
+def _on_slider(q, v, ball, p):
+    """Load on the slider."""
+    return loads.on_slider(p, q[ball.slider], v[ball.slider])
+
+
 @compiled
 def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
     """Fill ``force`` with internal, contact and load forces; return strain energy and `Contact`.
+
+    These are the forces f of M a + f = 0: a load F on an unknown contributes -F.
 
     Derivatives by places and rates, times the factors ``tangent``, are added to ``matrix``.
     """
     ball, (by_q, by_v) = system.ball, tangent
     for i in range(len(force)):
-        force[i] = -system.load[i]
+        force[i] = -system.weight[i]
+    for i, load in ((CRANK, _on_crank(q, v, p)), (ball.slider, _on_slider(q, v, ball, p))):
+        force[i] -= load.value
+        matrix[i, BAND] -= by_q * load.by_place + by_v * load.by_rate
     energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
     if system.ideal:
         return energy, NO_CONTACT
@@ -347,9 +364,8 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
     strain, joint = _forces(
         motion[PLACES], motion[RATES], system, state, ANY, p, law, old, matrix, NO_TANGENT
     )
-    if p.steady and state.steps == 0:
-        moment = _reaction(CRANK, old, motion, system.mass)
-        stepping.add_drive_work(state, moment, motion[RATES, CRANK], 0.0)
+    if state.steps == 0:
+        _add_work(state, old, motion, system, p, 0.0)
     far = abs(system.initial[system.ball.slider])  # of the start: a loop may begin at any step
     tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * far
     while True:
@@ -385,9 +401,7 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             _copy(new[row], motion[row])
         _copy(force, old)
         joint = new_joint
-        if p.steady:
-            moment = _reaction(CRANK, old, motion, system.mass)
-            stepping.add_drive_work(state, moment, motion[RATES, CRANK], h)
+        _add_work(state, old, motion, system, p, h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
@@ -414,23 +428,34 @@ def _reaction(i, force, motion, mass):
 
 
 @compiled
+def _add_work(state, force, motion, system, p, h):
+    """Add the work of the loads in a step, which ends with ``motion`` and ``force``."""
+    q, v = motion[PLACES], motion[RATES]
+    if p.steady:
+        state.holding = _reaction(CRANK, force, motion, system.mass)
+    power = state.holding * v[CRANK] + _on_crank(q, v, p).power
+    stepping.add_work(state, power + _on_slider(q, v, system.ball, p).power, h)
+
+
+@compiled
 def _write_output(row, state, motion, force, system, joint, strain, p):
     """Fill a row of output from motion and joint at the state's time."""
     q, v, ball, pin = motion[PLACES], motion[RATES], system.ball, system.pin
-    size, kinetic, work = len(q), 0.0, state.drive_work
+    size, kinetic, on_slider = len(q), 0.0, _on_slider(q, v, ball, p)
+    work = state.work - _on_crank(q, v, p).energy - on_slider.energy
     for i in range(size):
-        work += system.load[i] * q[i]
+        work += system.weight[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
             kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
     if system.ideal:
-        fx = p.m3 * _true_acceleration(motion, ball.x)
+        fx = p.m3 * _true_acceleration(motion, ball.x) - on_slider.value
         fy = -_reaction(ball.y, force, motion, system.mass)
         joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
     row.crank_angle, row.crank_speed = q[CRANK], v[CRANK]
     row.crank_acceleration = _true_acceleration(motion, CRANK)
-    row.driving_moment = p.moment + state.drive_moment
+    row.driving_moment = p.moment + state.holding
     row.slider_position, row.slider_velocity = q[ball.slider], v[ball.slider]
-    row.slider_acceleration = joint.force_x / p.m3
+    row.slider_acceleration = (joint.force_x + on_slider.value) / p.m3
     row.coupler_angle = direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin])
     row.coupler_speed = v[ball.turn]
     row.work, row.kinetic, row.elastic = work, kinetic, strain
@@ -438,14 +463,16 @@ def _write_output(row, state, motion, force, system, joint, strain, p):
     stepping.write_joint(row, joint)
 
 
-def _start(system):
+def _start(system, p):
     """Places, rates and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
     Rotations without inertia follow the load at once, unless held.
     """
     sections, unknowns, held = system.sections, system.unknowns, system.held
-    mass, load = system.mass, system.load
+    mass, load, ball = system.mass, system.weight.copy(), system.ball
     motion = np.array([system.initial, system.rates, 0 * load, 0 * load])
+    load[CRANK] += _on_crank(motion[PLACES], motion[RATES], p).value
+    load[ball.slider] += _on_slider(motion[PLACES], motion[RATES], ball, p).value
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[PLACES], sections, unknowns, force, stiffness, 1.0)
     light = mass[:, BAND] == 0
@@ -476,7 +503,7 @@ def blocks(
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
     system, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()
     strides, h = stepping.divide(times, step)
-    motion, state.step = _start(system), h
+    motion, state.step = _start(system, p), h
     loop = partial(advance, state, motion, system, p, law, h, strides)
     return stepping.advance_in_blocks(
         loop, times, state, "Newton's method found no balance, for which a shorter step may help"

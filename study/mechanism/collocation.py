@@ -1,6 +1,6 @@
 """One step of collocation at Radau's points, for compiled loops: of order 9, for stiff equations.
 
-It solves z'' = f(z, z') with n unknowns, and n integrals whose rates depend on z and z' alone. A
+It solves z'' = f(z, z') with n unknowns, and integrals whose rates depend on z and z' alone. A
 state is (z, z', integrals). A step works on one record, of `fields`.
 
 A step's accelerations are a polynomial in time that meets the equations at the five points of
@@ -48,7 +48,7 @@ SHARES = 1 / np.arange(1.0, STAGES + 3)
 """Factor of the power x^i in its integral, whose power is one higher."""
 
 
-def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
+def fields(unknowns: int, integrals: int) -> list[tuple[str, type, tuple[int, ...]]]:
     """Names, types and shapes of what a step works on.
 
     ``start`` and ``y`` are the states at the step's start and end. ``rates`` has a row of
@@ -58,8 +58,8 @@ def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
     """
     n = unknowns
     return [
-        *((name, float, (3 * n,)) for name in ("y", "start", "trial")),
-        *((name, float, (1 + STAGES, 2 * n)) for name in ("rates", "polynomial")),
+        *((name, float, (2 * n + integrals,)) for name in ("y", "start", "trial")),
+        *((name, float, (1 + STAGES, n + integrals)) for name in ("rates", "polynomial")),
         ("k", float, (n, 2 * n)),
         *((name, float, (2 * n,)) for name in ("error", "weights")),
         ("residuals", float, (STAGES, n)),
@@ -168,14 +168,15 @@ def finish(work, h):
     """Fill ``y`` with the state at the step's end, and ``polynomial``."""
     start, rates, n = work.start, work.rates, len(work.x)
     stage(STAGES - 1, work, h)
-    for m in range(n):
+    for m in range(2 * n):
+        work.y[m] = work.trial[m]
+    for m in range(2 * n, len(start)):
         integral = 0.0
         for j in range(STAGES):
-            integral += RATE[STAGES - 1, j] * rates[1 + j, n + m]
-        work.y[m], work.y[n + m] = work.trial[m], work.trial[n + m]
-        work.y[2 * n + m] = start[2 * n + m] + h * integral
+            integral += RATE[STAGES - 1, j] * rates[1 + j, m - n]
+        work.y[m] = start[m] + h * integral
     for i in range(1 + STAGES):
-        for m in range(2 * n):
+        for m in range(len(start) - n):
             total = 0.0
             for j in range(1 + STAGES):
                 total += MONOMIALS[i, j] * rates[j, m]
@@ -230,7 +231,7 @@ def guess(work, share, ratio):
 def inside(work, h, x):
     """Fill ``trial`` with the state at the share ``x`` of the step, integrals too."""
     start, n = work.start, len(work.x)
-    for m in range(2 * n):
+    for m in range(len(start) - n):
         speed = place = 0.0
         for i in range(STAGES, -1, -1):
             share = work.polynomial[i, m] * SHARES[i]

@@ -14,7 +14,7 @@ D P/v0, which grows without bound in a sustained contact that began slowly. ``un
 from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
-from math import ceil, inf, pi, sqrt
+from math import ceil, hypot, inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, friction_factor, friction_regime, joint_forces
-from study.mechanism import stepping
+from study.mechanism import loads, stepping
 from study.mechanism.angles import angle_of, direction, norm
 from study.mechanism.frame import Frame, straight_links
 from study.mechanism.scene import Scene
@@ -43,7 +43,7 @@ the pin and of the last particle; how damping is stepped. The rows of ``bodies``
 along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
 N."""
 FIXED = 0  # number of the particle, and of its rotation, at the crank's fixed end
-AXIS_Y = 1  # column of places and rates
+AXIS_X, AXIS_Y = range(2)  # columns of places and rates
 # Rows of the motion: places and turns at the current time, and their rates half a step before
 X, Y, TURN, U, V, SPIN = range(6)
 LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
@@ -168,10 +168,10 @@ def _follow_gap(state, impacts, depth, h):
 
 
 @compiled
-def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
+def _joint(ex, ey, depth, load, slider_mass, state, motion, system, workspace, p, law, h):
     """Forces of the joint as a `JointOutput`, and the limit of the step.
 
-    The depth is > 0; ``workspace`` has the other forces and moments.
+    The depth is > 0; ``workspace`` has the other forces and moments, and ``load`` the slider.
     """
     last = system.last
     spin, moment = motion[SPIN, last + 1], workspace[MOMENT, last + 1]
@@ -182,7 +182,7 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
     loss = elastic * p.damping / state.approach
-    inverse_mass = 1 / mass + nx * nx / p.m3
+    inverse_mass = 1 / mass + nx * nx / slider_mass
     stiff = system.frequency**2 + stiffness * inverse_mass
     if system.lagged:  # (h w)^2 + 2 h c/m < 4
         limit = (sqrt((loss * inverse_mass) ** 2 + 4 * stiff) - loss * inverse_mass) / stiff
@@ -192,11 +192,13 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
         normal, tangential = forces.normal, forces.tangential
     else:  # with the forces of this step, which depend on the velocity
         limit = 2 / sqrt(stiff)
-        fnx, fny = workspace[FORCE_X, last] / mass, workspace[FORCE_Y, last] / mass
+        # accelerations of the ball against the slider without the joint's forces
+        fnx = workspace[FORCE_X, last] / mass - load.value / slider_mass
+        fny = workspace[FORCE_Y, last] / mass
         rate += 0.5 * h * (fnx * nx + fny * ny)
         sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moment / rotary)
-        free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p.m3
-        side = 1 / mass + ny * ny / p.m3 + p.r1**2 / rotary
+        free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / slider_mass
+        side = 1 / mass + ny * ny / slider_mass + p.r1**2 / rotary
         normal = tangential = 0.0
         for _ in range(4):  # normal and tangential force act on each other weakly
             pushed = free_rate - both * tangential
@@ -218,9 +220,7 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
 def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
     m, w, pin, last = motion, workspace, system.pin, system.last
-    turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
-    if p.steady:
-        turning, drive = 0.0, -workspace[MOMENT, FIXED]
+    turning = 0.0 if p.steady else workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED]
     kinetic = stored = 0.0  # of the links, at the middle of the step; and of their strains
     for i in range(1, last + 1):
         for k in range(2):
@@ -233,12 +233,14 @@ def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, 
         stored += 0.5 * (stretching + bending1 + bending2)
     if not system.ideal:
         kinetic += 0.5 * p.m3 * speed * speed
-    work = state.drive_work + p.moment * m[TURN, FIXED]
+    crank_speed = m[SPIN, FIXED] - 0.5 * h * turning
+    work = state.work - loads.on_crank(p, m[TURN, FIXED], crank_speed).energy
+    work -= loads.on_slider(p, state.slider, speed).energy
     for i in range(1, last + 1):
         work -= p.gravity * system.bodies[MASS_X, i] * m[Y, i]
     change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
-    row.crank_angle, row.crank_speed = m[TURN, FIXED], m[SPIN, FIXED] - 0.5 * h * turning
-    row.crank_acceleration, row.driving_moment = turning, drive
+    row.crank_angle, row.crank_speed = m[TURN, FIXED], crank_speed
+    row.crank_acceleration, row.driving_moment = turning, p.moment + state.holding
     row.slider_position, row.slider_velocity, row.slider_acceleration = state.slider, speed, pull
     row.coupler_angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
     row.coupler_speed = m[SPIN, last + 1] - change
@@ -255,13 +257,22 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
         if state.impacts == len(impacts):
             return done, stepping.FULL
         state.time = state.steps * h
-        _internal_forces(m, elements, bodies, workspace, pin, last, p.moment)
+        # A load at the velocity now, v = u + h/2 a with u half a step before, is linearised: with
+        # its value F at u, m a = R + F + F' h/2 a has the solution a = (R + F) / (m - h/2 F').
+        on_crank = loads.on_crank(p, m[TURN, FIXED], m[SPIN, FIXED])
+        on_slider = loads.on_slider(p, state.slider, state.slider_speed)
+        slider_mass = p.m3 - 0.5 * h * on_slider.by_rate
+        _internal_forces(m, elements, bodies, workspace, pin, last, on_crank.value)
         if p.steady:
-            between = h if state.steps > 0 else 0.0
-            stepping.add_drive_work(state, -workspace[MOMENT, FIXED], m[SPIN, FIXED], between)
+            state.holding = -workspace[MOMENT, FIXED]
+        else:
+            workspace[MOMENT, FIXED] /= 1 - 0.5 * h * on_crank.by_rate / bodies[ROTARY, FIXED]
         event, largest = -1, False
         if ideal:
-            fx = p.m3 / bodies[MASS_X, last] * workspace[FORCE_X, last]
+            mass = bodies[MASS_X, last]
+            heavier = 1 - 0.5 * h * on_slider.by_rate / mass
+            workspace[FORCE_X, last] = (workspace[FORCE_X, last] + on_slider.value) / heavier
+            fx = slider_mass / mass * workspace[FORCE_X, last] - on_slider.value
             fy = workspace[FORCE_Y, last]
             joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
             workspace[FORCE_Y, last] = 0.0
@@ -274,15 +285,20 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
             joint = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
             event = _follow_gap(state, impacts, depth, h)
             if depth > 0:
-                joint, limit = _joint(ex, ey, depth, state, m, system, workspace, p, law, h)
+                joint, limit = _joint(
+                    ex, ey, depth, on_slider, slider_mass, state, m, system, workspace, p, law, h
+                )
                 if system.guarded and not h <= limit:  # nor if the limit is no number
                     state.limit = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
-        pull = joint.force_x / p.m3  # the slider's acceleration
+        pull = (joint.force_x + on_slider.value) / slider_mass  # the slider's acceleration
         finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
         state.slider_speed = m[U, last] if ideal else state.slider_speed + h * pull
         speed = state.slider_speed - 0.5 * h * pull
+        power = state.holding * m[SPIN, FIXED] + loads.on_slider(p, state.slider, speed).power
+        power += loads.on_crank(p, m[TURN, FIXED], workspace[MIDDLE_SPIN, FIXED]).power
+        stepping.add_work(state, power, h if state.steps > 0 else 0.0)
         if not (finite and abs(speed) < inf):
             state.limit = 2 / system.frequency
             return done, stepping.FAILED
@@ -317,8 +333,14 @@ def blocks(
     unless ``unguarded``. The default is half the limit; in a clearance joint, that at a depth of
     one clearance.
     """
-    frame = Frame(scene, elements)
+    frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
+    *_, (x, speed) = straight_links(scene, elements, ideal)
+    on_crank = loads.on_crank(p, scene.initial_crank_angle, scene.starting_speed)
+    on_slider = loads.on_slider(p, x, speed)
+    by_springs = max(-on_crank.by_place, 0.0) / frame.rotaries[FIXED]
+    by_springs += max(-on_slider.by_place, 0.0) / scene.slider_mass
+    frequency = hypot(frequency, sqrt(by_springs))  # not below that of frame and springs together
     limit = 2 / frequency
     if step is None:
         inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
@@ -337,10 +359,10 @@ def blocks(
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
     system = System(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     state = stepping.new_state(*OWN)
-    motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h)
+    motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h, on_crank, on_slider)
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
     state.gap = norm(motion[X, last] - state.slider, motion[Y, last]) - scene.clearance
-    loop = partial(advance, state, motion, system, workspace, scene.constants(), law, h, strides)
+    loop = partial(advance, state, motion, system, workspace, p, law, h, strides)
     failure = "the step must stay <= {:.4g} s, the stability limit"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
@@ -352,19 +374,21 @@ def _filled(rows, values, more=0):
     return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
 
 
-def _start(scene, frame, ideal, h):
+def _start(scene, frame, ideal, h, on_crank, on_slider):
     """Motion, and the slider's position and speed, at t = 0; rates are those half a step before.
 
-    The joints are at rest, and the links straight: only gravity and the drive's moment accelerate
-    them. They are unstrained too, so that a link that turns stretches, and oscillates axially at
-    first.
+    The joints are at rest, and the links straight: only gravity and the loads accelerate them. They
+    are unstrained too, so that a link that turns stretches, and oscillates axially at first.
     """
     elements = frame.pin, len(frame.elements) - frame.pin
     places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     if scene.crank_speed is None:
-        spins[FIXED] -= h / 2 * scene.driving_moment / frame.rotaries[FIXED]
+        spins[FIXED] -= h / 2 * on_crank.value / frame.rotaries[FIXED]
+    slide[1] -= h / 2 * on_slider.value / (scene.slider_mass + (frame.masses[-1] if ideal else 0.0))
     rates[1:, AXIS_Y] += h / 2 * scene.gravity
     rates[-1, AXIS_Y] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
+    if ideal:
+        rates[-1, AXIS_X] = slide[1]
     motion = _filled([*places.T, turns, *rates.T, spins], [0.0] * 6, LANES)
     last = len(places)
     motion[X, last:] = 1 + np.arange(motion.shape[1] - last)  # no two at one place

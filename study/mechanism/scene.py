@@ -13,6 +13,7 @@ from study import checks, parameters
 from study.contact import Material, composite_modulus, material
 from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.materials import read_material
+from study.mechanism import loads
 from study.parameters import parameter
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ Body = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
 Constants = namedtuple(
     "Constants",
-    "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady",
+    "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady "
+    + " ".join(loads.PARAMETERS),
 )
 """What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
 ``steady`` is 1 for a crank of constant speed."""
@@ -207,6 +209,7 @@ class Scene:
         most=1e6,
         source="no such drive",
     )
+    # parameters of further loads
 
     def __post_init__(self) -> None:
         parameters.take(self)
@@ -309,7 +312,6 @@ class Scene:
             moment=self.driving_moment if self.crank_speed is None else 0.0,
             g1=g1,
             g2=m2 * g * l2 / 2,
-            gravity=g,
             r1=self.ball_radius,
             clearance=self.clearance,
             damping=self.damping_factor,
@@ -317,6 +319,7 @@ class Scene:
             v0=self.slow_speed,
             v1=self.full_speed,
             steady=float(self.crank_speed is not None),
+            **{name: getattr(self, name) for name in loads.PARAMETERS},
         )
 
     def replace(self, **changes: Any) -> "Scene":

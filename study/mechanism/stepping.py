@@ -29,13 +29,14 @@ IMPACT = np.dtype([(name, float) for name in (*IMPACT_COLUMNS, "lost_before")])
 """An impact while it is computed."""
 STATE = [
     *((name, float) for name in ("time", "step", "until", "limit", "approach")),
-    *((name, float) for name in ("lost_damping", "lost_friction", "drive_moment", "drive_work")),
+    *((name, float) for name in ("lost_damping", "lost_friction", "holding", "power", "work")),
     *((name, np.int64) for name in ("steps", "impacts", "current_impact")),
     ("contact", bool),
 ]
 """Fields of every model's state. A loop returns when ``steps``, the number of steps so far, is
-``until``. ``limit`` is what a failure passed, ``impacts`` the number of impacts so far, and
-``current_impact`` the number of the one that is followed."""
+``until``. ``holding`` is the moment that holds a constant crank speed; ``power`` and ``work`` are
+those of the loads but for their energies. ``limit`` is what a failure passed, ``impacts`` the number
+of impacts so far, and ``current_impact`` the number of the one that is followed."""
 Block = tuple[NDArray[np.void], NDArray[np.void], NDArray[np.void]]
 """Rows of output so far; the impacts' numbers (`IMPACT`); and their own rows of output, shape
 (impacts, 3), NaN for an end that is still to come."""
@@ -104,10 +105,10 @@ def end_impact(impacts, state, speed):
 
 
 @compiled
-def add_drive_work(state, moment, speed, h):
-    """Keep the moment that holds the crank's speed, and add its work in a step."""
-    state.drive_work += 0.5 * h * (state.drive_moment + moment) * speed
-    state.drive_moment = moment
+def add_work(state, power, h):
+    """Add the work of the loads in a step by the trapezoidal rule, and keep their power."""
+    state.work += 0.5 * h * (state.power + power)
+    state.power = power
 
 
 @compiled

@@ -39,7 +39,7 @@ def test_oscillator_is_the_linearised_equation(pressed):
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
     slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
-    rigid.derive(y, piece, p, *rigid.motion(y, piece, p, numbers), slopes)
+    rigid.derive(y, piece, p, rigid.motion(y, piece, p, numbers), slopes)
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
     assert reach > numbers.clearance
     assert slopes[1, 1] == pytest.approx(-(contact_["frequency"] ** 2), rel=1e-4)
@@ -129,7 +129,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
         ContactState(True, 1, np.inf),
     )
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
-    rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
+    rigid.derive(still, piece, p, rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
     moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
     assert stability.oscillator(scene, "hertz", moving)["friction_rate"] == rate

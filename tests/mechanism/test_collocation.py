@@ -19,17 +19,17 @@ START = np.array([0.5, 8e-7, 2.1, 11.0, 0.0, 900.0, 0, 0, 0])
 def step(y, h, iterations=20):
     """One step of a contact, with Newton's method to the end."""
     p, n = SCENE.constants(), rigid.UNKNOWNS
-    work = np.zeros(1, collocation.fields(n)).view(np.recarray)[0]
+    work = np.zeros(1, collocation.fields(n, rigid.INTEGRALS)).view(np.recarray)[0]
     work.start[:] = y
-    motion, parts = rigid.motion(y, CONTACT, p, HERTZ)
-    rigid.derive(y, CONTACT, p, motion, parts, work.k)
+    motion = rigid.motion(y, CONTACT, p, HERTZ)
+    rigid.derive(y, CONTACT, p, motion, work.k)
     work.rates[0, :n], work.rates[0, n:] = motion.accelerations, motion.powers
     work.rates[1:, :n] = motion.accelerations
     collocation.factorise(work, h)
     for _ in range(iterations):
         for i in range(collocation.STAGES):
             collocation.stage(i, work, h)
-            motion, _ = rigid.motion(work.trial, CONTACT, p, HERTZ)
+            motion = rigid.motion(work.trial, CONTACT, p, HERTZ)
             work.residuals[i] = motion.accelerations - work.rates[1 + i, :n]
             work.rates[1 + i, n:] = motion.powers
         collocation.improve(work, h)

@@ -1,0 +1,100 @@
+"""The recipe "add a load": a spring and a dashpot on the slider, in a copy, for all models."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from helpers.project import copy_project, environment
+
+DOCSTRING = """
+    slider_stiffness, slider_damping, slider_rest : float, default 0, 0 and 0.17
+        Stiffness in N/m and damping in N s/m of a spring and a dashpot at the slider, and its
+        position in m without a force.
+"""
+FIELDS = """
+    slider_stiffness: float = parameter(0.0, "Stiffness of the slider's spring", "N/m", least=0)
+    slider_damping: float = parameter(0.0, "Damping of the slider's dashpot", "N s/m", least=0)
+    slider_rest: float = parameter(0.17, "Position of the slider without a spring's force", "m")
+"""
+NAMES = """
+    "slider_stiffness",
+    "slider_damping",
+    "slider_rest",
+"""
+CALL = """
+        spring(p, position, speed),
+"""
+FUNCTION = '''
+
+@register_jitable
+def spring(p, position, speed):
+    """Force of a spring and a dashpot between the slider and the ground."""
+    stretch, k, c = position - p.slider_rest, p.slider_stiffness, p.slider_damping
+    energy, power = k * stretch**2 / 2, -c * speed**2
+    return Load(-k * stretch - c * speed, -k, -c, energy, power)
+'''
+RECIPE = {
+    "study/mechanism/scene.py": [
+        ("\n        Constant speed of the crank in rad/s", DOCSTRING),
+        ("    # parameters of further loads", FIELDS),
+    ],
+    "study/mechanism/loads.py": [
+        ("    # parameters of further loads", NAMES),
+        ("        # further loads on the slider", CALL),
+    ],
+}
+"""File -> beginnings of the lines after which lines are added."""
+RUN = """
+import json, sys
+import numpy as np
+from study.mechanism import Scene, simulate
+load = {"slider_stiffness": 2000.0, "slider_damping": 30.0, "slider_rest": 0.165}
+stiff, results = Scene(link_modulus=100 * Scene().youngs_modulus, **load), {}
+for drive in ({"crank_speed": 30.0}, {"initial_crank_angle": 1.0, "driving_moment": 2.0}):
+    for model in sys.argv[1:]:
+        for joint in ("ideal", "clearance"):
+            options = {} if model == "rigid" else {"elements": (2, 3)}
+            options |= {"model": model, "joint": joint, "law": "hertz", "duration": 0.01}
+            r = simulate(stiff.replace(**drive), **options)
+            force = -2000.0 * (r.slider_position - 0.165) - 30.0 * r.slider_velocity
+            rest = 0.14 * r.slider_acceleration - r.force_x - force
+            power = r.driving_moment * r.crank_speed + force * r.slider_velocity
+            results[f"{model} {joint} {list(drive)[0]}"] = {
+                "energy_error": r.energy_error,
+                "rest": np.abs(rest).max() / np.abs(force).max(),
+                "end": [r.crank_angle[-1], r.slider_position[-1]],
+                "work": [r.work[-1], np.trapezoid(power, r.time)],
+            }
+print(json.dumps(results))
+"""
+
+
+def test_a_new_load_is_in_every_model_and_in_the_energy_balance(tmp_path):
+    root, added = copy_project(tmp_path / "project"), FUNCTION
+    for name, changes in RECIPE.items():
+        text = (root / name).read_text(encoding="utf-8")
+        for marker, lines in changes:
+            before, after = text.split(marker)
+            rest_of_line, after = after.split("\n", 1)
+            text = f"{before}{marker}{rest_of_line}{lines}{after}"
+            added += lines[1:]
+        (root / name).write_text(text, encoding="utf-8")
+    with open(root / "study/mechanism/loads.py", "a", encoding="utf-8") as file:
+        file.write(FUNCTION)
+    assert added.count("\n") <= 30
+    options = {"cwd": root, "env": environment(root), "stdout": subprocess.PIPE, "text": True}
+    running = [
+        subprocess.Popen([sys.executable, "-c", RUN, *models], **options)
+        for models in (["rigid"], ["particles", "beams"])  # which are compiled at the same time
+    ]
+    rigid, flexible = (json.loads(process.communicate()[0]) for process in running)
+    results = rigid | flexible
+    assert len(results) == 12
+    for name, found in results.items():
+        model, joint_and_drive = name.split(maxsplit=1)
+        assert found["rest"] < 1e-12
+        assert found["energy_error"] < (1e-9 if model == "rigid" else 1e-3)
+        work, integral = found["work"]
+        assert work == pytest.approx(integral, rel=5e-3)
+        assert found["end"] == pytest.approx(results[f"rigid {joint_and_drive}"]["end"], abs=5e-6)
