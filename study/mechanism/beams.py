@@ -92,7 +92,7 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
         masses = link.mass_per_length, link.rotary_per_length
         rows += [(length, link.axial, shear, link.bending, *masses)] * n
-    sections, unknowns = np.array(rows, SECTION), np.column_stack([*near, *far])
+    sections, unknowns = np.array(rows, SECTION).view(np.recarray), np.column_stack([*near, *far])
     mass, weight = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
     mass[ball.slider, BAND] += scene.slider_mass
     numbers = unknowns, ball, int(x[pin]), np.array(held)

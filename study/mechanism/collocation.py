@@ -63,7 +63,7 @@ def fields(unknowns: int, integrals: int) -> list[tuple[str, type, tuple[int, ..
         ("k", float, (n, 2 * n)),
         *((name, float, (2 * n,)) for name in ("error", "weights")),
         ("residuals", float, (STAGES, n)),
-        ("real", float, (n, n)),
+        ("single", float, (n, n)),
         ("pairs", complex, (PAIRS, n, n)),
         ("x", float, (n,)),
         ("z", complex, (PAIRS, n)),
@@ -73,7 +73,7 @@ def fields(unknowns: int, integrals: int) -> list[tuple[str, type, tuple[int, ..
 @compiled
 def factorise(work, h):
     """Triangular factors of Newton's systems, for each eigenvalue of Radau's matrix."""
-    _factorise(work.real, work.k, h * REAL)
+    _factorise(work.single, work.k, h * REAL)
     for q in range(PAIRS):
         _factorise(work.pairs[q], work.k, h * COMPLEX[q])
 
@@ -143,7 +143,7 @@ def improve(work, h):
         x[m] = 0.0
         for j in range(STAGES):
             x[m] += REAL_INVERSE[j] * residuals[j, m]
-    _solve(work.real, x)
+    _solve(work.single, x)
     for q in range(PAIRS):
         for m in range(n):
             z[q, m] = 0.0
@@ -196,7 +196,7 @@ def estimate(work, h):
     for m in range(n):
         for j in range(n):
             work.x[m] += g * k[m, j] * error[j]
-    _solve(work.real, work.x)
+    _solve(work.single, work.x)
     for m in range(n):
         error[n + m] = work.x[m]
         error[m] += g * work.x[m]

@@ -21,11 +21,9 @@ if TYPE_CHECKING:
 
 Body = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
-Constants = namedtuple(
-    "Constants",
-    "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady "
-    + " ".join(loads.PARAMETERS),
-)
+_NUMBERS = "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady"
+_record: Any = namedtuple  # mypy knows no computed names of fields
+Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
 """What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
 ``steady`` is 1 for a crank of constant speed."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
@@ -296,7 +294,7 @@ class Scene:
             bending=modulus * area**2 / 12,
         )
 
-    def constants(self) -> Constants:
+    def constants(self) -> Any:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length

@@ -199,14 +199,14 @@ def _gather(blocks, scene, law, columns, told, progress):
             raise
         complete, failed = False, error if isinstance(error, MechanismError) else None
     starts = own[:, START].copy()  # of one layout, with impacts or without
-    add_free_durations(starts, impacts, scene.constants(), law)
+    add_free_durations(*(t.view(np.recarray) for t in (starts, impacts)), scene.constants(), law)
     happened = own["time"] <= rows["time"][-1]  # the others are NaN, or come after an interruption
     names = np.broadcast_to(EVENTS, happened.shape)
     own, kinds = own[happened], tuple(names[happened].tolist())
     first = rows["work"][0]
     for table in (own, rows):
         table["work"] -= first
-        add_stored_energy(table, law)
+        add_stored_energy(table.view(np.recarray), law)
     own, rows = (repack_fields(table[list(columns)]) for table in (own, rows))
     impact_rows = np.zeros(len(impacts), response.IMPACT_ROW)
     for name in response.IMPACT_COLUMNS:

@@ -35,8 +35,8 @@ STATE = [
 ]
 """Fields of every model's state. A loop returns when ``steps``, the number of steps so far, is
 ``until``. ``holding`` is the moment that holds a constant crank speed; ``power`` and ``work`` are
-those of the loads but for their energies. ``limit`` is what a failure passed, ``impacts`` the number
-of impacts so far, and ``current_impact`` the number of the one that is followed."""
+those of the loads without their energies. ``limit`` is what a failure passed, ``impacts`` the
+number of impacts so far, and ``current_impact`` the number of the one that is followed."""
 Block = tuple[NDArray[np.void], NDArray[np.void], NDArray[np.void]]
 """Rows of output so far; the impacts' numbers (`IMPACT`); and their own rows of output, shape
 (impacts, 3), NaN for an end that is still to come."""
@@ -155,7 +155,8 @@ def advance_in_blocks(
     done, some = 0, 10
     while done < len(rows):
         start, state.until = perf_counter(), state.steps + some
-        filled, status = advance(rows[done:], impacts, events)
+        tables = (table.view(np.recarray) for table in (rows[done:], impacts, events))
+        filled, status = advance(*tables)
         new = structured_to_unstructured(rows[done : done + filled])
         finite = np.isfinite(new).all(axis=1)
         done += int(np.append(finite, False).argmin())
