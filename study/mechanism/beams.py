@@ -22,7 +22,7 @@ from study.contact.forces import friction_regime, joint_forces
 from study.mechanism import loads, stepping
 from study.mechanism.angles import direction, norm, sine_cosine
 from study.mechanism.frame import straight_links
-from study.mechanism.scene import Body, Scene
+from study.mechanism.scene import LinkName, Scene
 from study.mechanism.stepping import JointOutput
 
 SPECTRAL_RADIUS = 0.8
@@ -86,7 +86,7 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     if scene.crank_speed is not None:
         held.append(CRANK)
     rows = []
-    for body, n in zip(get_args(Body), elements, strict=True):
+    for body, n in zip(get_args(LinkName), elements, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))

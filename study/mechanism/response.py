@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from study.mechanism.scene import Scene
 
 _OF_JOINT = {
-    "eccentricity_x": Quantity(
-        "Eccentricity: from the socket's centre to the ball's, along x", "m"
-    ),
+    "eccentricity_x": Quantity("Eccentricity: from the socket's centre to the ball's along x", "m"),
     "eccentricity_y": Quantity("The same along y", "m"),
     "depth": Quantity("Penetration depth; negative without contact", "m"),
     "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
@@ -42,7 +40,7 @@ COLUMNS = {
     "coupler_angle": Quantity("Angle of the coupler", "rad"),
     "coupler_speed": Quantity("Angular velocity of the coupler", "rad/s"),
     **_OF_JOINT,
-    "work": Quantity("Work of drive and gravity since t = 0", "J"),
+    "work": Quantity("Work of drive, gravity and other loads since t = 0", "J"),
     "kinetic": Quantity("Kinetic energy", "J"),
     "elastic": Quantity("Elastic energy of all joints and links", "J"),
     "lost_damping": Quantity("Energy lost by damping in the joints", "J"),

@@ -7,7 +7,7 @@ field of `Scene` has its unit, its range and its source.
 from collections import namedtuple
 from dataclasses import dataclass, replace
 from math import hypot, pi
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 from study import checks, parameters
 from study.contact import Material, composite_modulus, material
@@ -16,11 +16,10 @@ from study.contact.materials import read_material
 from study.mechanism import loads
 from study.parameters import parameter
 
-if TYPE_CHECKING:
-    pass
-
-Body = Literal["crank", "coupler"]
+LinkName = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
+LARGE = {"least": -1e6, "most": 1e6}
+"""Limits of numbers of either sign."""
 _NUMBERS = "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady"
 _record: Any = namedtuple  # mypy knows no computed names of fields
 Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
@@ -30,7 +29,7 @@ Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear 
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
 
 
-def _inertia_of(body: Body) -> Any:
+def _inertia_of(body: LinkName) -> Any:
     return parameter(
         None,
         f"Moment of inertia of the {body} about its centre",
@@ -60,41 +59,27 @@ class Scene:
     The slide lies along +x and passes through the axis of the crank. The clearance joint is between
     coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
     which does not rotate. The ball is at rest relative to its socket at t = 0. The defaults are
-    those of Yao et al., and for what they do not state those of this study.
+    those of Yao et al., and for what they do not state those of this study. Each parameter is
+    explained with its range and source where it is defined (`study.parameters.described`), and by
+    ``study simulate --help``.
 
     Parameters
     ----------
-    crank_length, coupler_length : float, default 0.05 and 0.12
-        Lengths of the links in m.
-    crank_mass, coupler_mass, slider_mass : float, default 0.3, 0.21 and 0.14
-        Masses in kg.
-    clearance, socket_radius : float, default 5e-5 and 0.01
-        Clearance and radius of the socket in m.
-    youngs_modulus, poisson : float, default 207e9 and 0.3
-        Young's modulus in Pa and Poisson's ratio of ball, socket and links.
+    crank_length, coupler_length : float, in m, default 0.05 and 0.12
+    crank_mass, coupler_mass, slider_mass : float, in kg, default 0.3, 0.21 and 0.14
+    clearance, socket_radius : float, in m, default 5e-5 and 0.01
+    youngs_modulus, poisson : float, in Pa and without unit, default 207e9 and 0.3
     restitution, friction : float, default 0.5 and 0.05
-        Coefficients of restitution and of friction in the joint.
-    slow_speed, full_speed : float, default 1e-4 and 0.01
-        Sliding speeds in m/s, below which there is no friction and above which it is full.
-    driving_moment : float, default 0.5
-        Moment on the crank in N m.
-    crank_inertia, coupler_inertia : float, optional
-        Moments of inertia about the centres of the links in kg m^2; thin rods by default.
+    slow_speed, full_speed : float, in m/s, default 1e-4 and 0.01
+    driving_moment : float, in N m, default 0.5
+    crank_inertia, coupler_inertia : float, in kg m^2, optional
     ball, socket : Material or str, optional
-        Materials of ball and socket, if they are not those of the links.
-    link_modulus, density : float, optional
-        Young's modulus in Pa and density in kg/m^3 of flexible links, whose sections are squares.
+    link_modulus, density : float, in Pa and kg/m^3, default youngs_modulus and 7850
     damping : {"exact", "lankarani-nikravesh", "hunt-crossley", "flores"}, default "exact"
-        Model of the damping factor. With "exact" an impact has the given coefficient of
-        restitution; Yao et al. use "lankarani-nikravesh".
-    gravity : float, default 0
-        Acceleration along -y in m/s^2.
-    initial_eccentricity : tuple of two floats, default (0, 0)
-        Vector from the centre of the socket to that of the ball at t = 0, in m.
-    initial_crank_angle, initial_crank_speed : float, default 0
-        Angle from +x in rad and speed in rad/s of the crank at t = 0.
-    crank_speed : float, optional
-        Constant speed of the crank in rad/s, instead of driving_moment and initial_crank_speed.
+    gravity : float, in m/s^2, default 0
+    initial_eccentricity : tuple of two floats, in m, default (0, 0)
+    initial_crank_angle, initial_crank_speed : float, in rad and rad/s, default 0
+    crank_speed : float, in rad/s, optional
 
     Raises
     ------
@@ -137,7 +122,7 @@ class Scene:
         0.01, "Sliding speed v1, above which the friction is full", "m/s", above=0, source="Table 4"
     )
     driving_moment: float = parameter(
-        0.5, "Moment that drives the crank", "N m", least=-1e6, most=1e6, source="Table 4"
+        0.5, "Moment that drives the crank", "N m", **LARGE, source="Table 4"
     )
     socket_radius: float = parameter(
         10e-3,
@@ -172,7 +157,7 @@ class Scene:
         source="chosen here, delivers the restitution",
     )
     gravity: float = parameter(
-        0.0, "Acceleration along -y", "m/s^2", least=-1e6, most=1e6, source="assumed, none"
+        0.0, "Acceleration along -y", "m/s^2", **LARGE, source="assumed, none"
     )
     initial_eccentricity: tuple[float, float] = parameter(
         (0.0, 0.0),
@@ -192,19 +177,13 @@ class Scene:
         source="given by the paper: links on +x",
     )
     initial_crank_speed: float = parameter(
-        0.0,
-        "Speed of the crank at t = 0",
-        "rad/s",
-        least=-1e6,
-        most=1e6,
-        source="assumed, from rest",
+        0.0, "Speed of the crank at t = 0", "rad/s", **LARGE, source="assumed, from rest"
     )
     crank_speed: float | None = parameter(
         None,
         "Constant speed of the crank, which replaces driving_moment and initial_crank_speed",
         "rad/s",
-        least=-1e6,
-        most=1e6,
+        **LARGE,
         source="no such drive",
     )
     # parameters of further loads
@@ -214,8 +193,8 @@ class Scene:
         for body in ("ball", "socket"):
             if getattr(self, body) is not None:
                 material(getattr(self, body), body)
-        limits: dict[str, Any] = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
-        checks.number("clearance", self.clearance, "m", **limits)
+        largest = self.socket_radius
+        checks.number("clearance", self.clearance, "m", least=1e-9 * largest, below=largest)
         longest = self.coupler_length - self.clearance
         checks.number("crank_length", self.crank_length, "m", below=longest)
         checks.number("slow_speed", self.slow_speed, "m/s", below=self.full_speed)
@@ -278,10 +257,10 @@ class Scene:
             if getattr(self, name) != getattr(Scene, name):
                 raise ValueError(f"{name} does not apply to this model; remove it")
 
-    def link(self, body: Body) -> Link:
+    def link(self, body: LinkName) -> Link:
         """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
-        rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
+        rod, own = mass * length**2 / 12, self.inertias[get_args(LinkName).index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
         checks.number(name, own, "kg m^2", least=least)
         modulus, area = self.link_modulus or self.youngs_modulus, mass / (self.density * length)

@@ -46,10 +46,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         "et al.), or beams",
         choices=get_args(Model),
     ),
-    joint=Parameter(
-        "Joint between coupler and slider",
-        choices=get_args(JointKind),
-    ),
+    joint=Parameter("Joint between coupler and slider", choices=get_args(JointKind)),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
         "Python it may also be a law such as ``Steuermann(n=2)``, a table of the values of a "
@@ -58,7 +55,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         "scene has the default ones",
         kind=str,
     ),
-    duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),
+    duration=Parameter("Simulated time", "s", {"above": 0, "most": 1e9}),
     outputs=Parameter(
         "Number of equal intervals between the output times",
         limits={"least": 1, "most": 10**6},
@@ -173,12 +170,8 @@ def simulate(
         blocks = ideal.blocks(scene, times)
     else:
         blocks = events.blocks(scene, packed, times, tolerance)
-    told = (
-        None if gapless else of_joint,
-        scene.restitution,
-        scene.delivered_restitution,
-        None if flexible or gapless else tolerance,
-    )
+    of_joint, tolerance = None if gapless else of_joint, None if flexible or gapless else tolerance
+    told = of_joint, scene.restitution, scene.delivered_restitution, tolerance
     return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
 
 
@@ -214,7 +207,7 @@ def _gather(blocks, scene, law, columns, told, progress):
     is_sustained = impacts["duration"] > response.SUSTAINED * impacts["free_duration"]
     impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
     result = Response(rows, impact_rows, own, kinds, complete, *told)
-    if failed is not None:
-        failed.response = result
-        raise failed
-    return result
+    if failed is None:
+        return result
+    failed.response = result
+    raise failed

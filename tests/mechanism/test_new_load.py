@@ -8,9 +8,7 @@ import pytest
 from helpers.project import copy_project, environment
 
 DOCSTRING = """
-    slider_stiffness, slider_damping, slider_rest : float, default 0, 0 and 0.17
-        Stiffness in N/m and damping in N s/m of a spring and a dashpot at the slider, and its
-        position in m without a force.
+    slider_stiffness, slider_damping, slider_rest : float, in N/m, N s/m and m
 """
 FIELDS = """
     slider_stiffness: float = parameter(0.0, "Stiffness of the slider's spring", "N/m", least=0)
@@ -36,7 +34,7 @@ def spring(p, position, speed):
 '''
 RECIPE = {
     "study/mechanism/scene.py": [
-        ("\n        Constant speed of the crank in rad/s", DOCSTRING),
+        ("\n    crank_speed : float", DOCSTRING),
         ("    # parameters of further loads", FIELDS),
     ],
     "study/mechanism/loads.py": [
@@ -101,4 +99,7 @@ def test_a_new_load_is_in_every_model_and_in_the_energy_balance(tmp_path):
         assert found["rest"] < 1e-12
         assert found["energy_error"] < (1e-9 if model == "rigid" else 5e-3)
         assert found["work"][0] == pytest.approx(found["work"][1], abs=2e-5)  # trapezoidal rule
-        assert found["end"] == pytest.approx(results[f"rigid {joint_and_drive}"]["end"], abs=1e-5)
+        same = pytest.approx(
+            results[f"rigid {joint_and_drive}"]["end"], abs=1e-5 if "ideal" in name else 1e-4
+        )
+        assert found["end"] == same
