@@ -101,25 +101,25 @@ def test_tangent_of_finite_elements_is_the_derivative():
 def test_contact_tangent_of_finite_elements_is_the_derivative():
     s = PAPER
     law = packed("hertz", s.ball_radius, s.socket_radius, s.composite_modulus)
-    p = s.constants()
-    ball = beams.Ball(0, 1, 2, 3)
+    p, ball = s.constants(), beams.Ball(0, 1, 2, 3)
     q, v = np.array([3e-5, -4.1e-5, 0.3, 0.0]), np.array([0.02, 0.01, 0.5, 0.015])
 
-    def forces(q, v):
-        contact, stiff, damp = beams._contact(q, v, ball, True, 0.05, beams.ANY, p, law)
-        joint = contact.output
-        moment = s.ball_radius * joint.tangential
-        return np.array([-joint.force_x, -joint.force_y, moment]), stiff, damp
+    def force(q, v, by_v=0.0):
+        force, band = np.zeros(4), np.zeros((4, 2 * beams.BAND + 1))
+        how = True, 0.05, beams.ANY, p, law
+        beams._add_joint(q, v, ball, *how, force, band, (1.0, by_v))
+        return force, dense(band)
 
-    _, stiff, damp = forces(q, v)
-    assert abs(forces(q, v)[0][2]) > 0.01
-    for j in range(3):
+    assert abs(force(q, v)[0][2]) > 0.01
+    stiff, both = force(q, v)[1], force(q, v, 1.0)[1]
+    for j in range(4):
         step = np.zeros(4)
-        step[j] = 1e-12
-        change = (forces(q + step, v)[0] - forces(q - step, v)[0]) / 2e-12
+        step[j] = 1e-12 if j != 2 else 1e-8
+        change = (force(q + step, v)[0] - force(q - step, v)[0]) / (2 * step[j])
         assert stiff[:, j] == pytest.approx(change, rel=1e-3, abs=1e-3 * np.abs(stiff).max())
         step[j] = 1e-8
-        change = (forces(q, v + step)[0] - forces(q, v - step)[0]) / 2e-8
+        change = (force(q, v + step)[0] - force(q, v - step)[0]) / 2e-8
+        damp = both - stiff
         assert damp[:, j] == pytest.approx(change, rel=1e-5, abs=1e-6 * np.abs(damp).max())
 
 
