@@ -321,27 +321,6 @@ def _newton(motion, new, mesh, state, sliding, p, law, h, tolerance, old, work):
 
 
 @compiled
-def _copy(source, target):
-    """Copy numbers: an assignment of arrays takes seconds to compile."""
-    for i in range(len(source)):
-        target[i] = source[i]
-
-
-@compiled
-def _follow_contact(state, impacts, before, after, h):
-    """Add what a step in contact loses; say if its force is the largest so far, and if it ended."""
-    for contact in (before, after):
-        joint = contact.output
-        state.lost_damping += 0.5 * h * ((joint.normal - contact.elastic) * contact.rate)
-        state.lost_friction -= 0.5 * h * joint.tangential * contact.sliding
-    largest = stepping.follow_impact(impacts, state, after.output.normal, after.output.depth)
-    ended = after.output.depth <= 0
-    if ended:
-        stepping.end_impact(impacts, state, -after.rate)
-    return largest, ended
-
-
-@compiled
 def advance(state, motion, mesh, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     size, done = motion.shape[1], 0
@@ -382,11 +361,19 @@ def advance(state, motion, mesh, p, law, h, strides, rows, impacts, events):
             if not depth <= p.clearance:
                 state.limit = p.clearance
                 return done, stepping.TOO_DEEP
-            largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
-        _copy(motion[ACCELERATIONS], motion[BEFORE])
-        for row in (PLACES, RATES, ACCELERATIONS):
-            _copy(new[row], motion[row])
-        _copy(force, old)
+            for at in (joint, new_joint):
+                lost = (at.output.normal - at.elastic) * at.rate
+                state.lost_damping += 0.5 * h * lost
+                state.lost_friction -= 0.5 * h * at.output.tangential * at.sliding
+            force_now = new_joint.output.normal
+            largest = stepping.follow_impact(impacts, state, force_now, depth)
+            ended = depth <= 0
+            if ended:
+                stepping.end_impact(impacts, state, -new_joint.rate)
+        for i in range(size):  # an assignment of arrays takes seconds to compile
+            motion[BEFORE, i], old[i] = motion[ACCELERATIONS, i], force[i]
+            for row in (PLACES, RATES, ACCELERATIONS):
+                motion[row, i] = new[row, i]
         joint = new_joint
         _add_work(state, old, motion, mesh, p, h)
         for event, happened in enumerate((begun, largest, ended)):

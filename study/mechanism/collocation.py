@@ -15,17 +15,16 @@ The rule's constants are in ``radau.toml``.
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from study.compiled import compiled, inlined
 
 STAGES = 5
+"""Points of a step; the error estimate grows with the power 6 of the step, hence sixth roots."""
 PAIRS = STAGES // 2
 AT_START = 0  # row of the rates at a step's start, before those at its points
-"""The error estimate grows with the power `STAGES` + 1 of the step, hence the sixth roots."""
-
-
 _RULE = tomllib.loads(Path(__file__).with_name("radau.toml").read_text(encoding="utf-8"))
 
 
@@ -48,7 +47,7 @@ SHARES = 1 / np.arange(1.0, STAGES + 3)
 """Factor of the power x^i in its integral, whose power is one higher."""
 
 
-def fields(unknowns: int, integrals: int) -> list[tuple[str, type, tuple[int, ...]]]:
+def fields(unknowns: int, integrals: int) -> list[tuple[Any, ...]]:
     """Names, types and shapes of what a step works on.
 
     ``start`` and ``y`` are the states at the step's start and end. ``rates`` has a row of

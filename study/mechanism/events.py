@@ -32,21 +32,7 @@ from study.contact.forces import friction_regime
 from study.mechanism import collocation, rigid, stepping
 from study.mechanism.angles import angle_of, norm, sine_cosine, sixth_root
 from study.mechanism.collocation import AT_START, POINTS, STAGES
-from study.mechanism.rigid import (
-    BEFORE,
-    FIRST,
-    FIRST_RATE,
-    INTEGRALS,
-    JOINT,
-    LOST_DAMPING,
-    LOST_FRICTION,
-    NOW,
-    OMEGA,
-    SECOND,
-    SECOND_RATE,
-    THETA,
-    UNKNOWNS,
-)
+from study.mechanism.rigid import FIRST, FIRST_RATE, OMEGA, SECOND, SECOND_RATE, THETA
 from study.mechanism.scene import Scene
 
 # From NumPy, since numba compiles a function again for each of Python's own whole numbers.
@@ -61,22 +47,17 @@ TAIL = 0.001
 OWN = "driven", "began", "length", "size"
 """Numbers of the state besides those of all models: the speed that the drive gives; the last step's
 start, its length, and the size of its error, 0 if it was in another contact state."""
-GROWTH, FAR = 3.0, 1.8
-"""Largest ratio of a step to the last one, and largest ratio at which that one gives a guess."""
+GROWTH, FAR = 3.0, 1.8  # largest ratio of a step to the last one; at which that one gives a guess
 SAFETY, SHRINKING = 0.9, 0.2
 """Share of the step at which the error would be the tolerance's, and smallest ratio of a step that
 is tried again to the one tried (Hairer and Wanner, sec. IV.8)."""
-LEAST_SIZE = 1e-6
-"""Errors below it are rounding, and say nothing about the next step."""
-ITERATIONS = 10
-"""Most iterations of Newton's method."""
+LEAST_SIZE = 1e-6  # errors below it are rounding, and say nothing about the next step
+ITERATIONS = 10  # at most, of Newton's method
 EXACT_ENOUGH = 0.001
 """Error that Newton's method may leave, over what the tolerance allows: at 0.02 it was the largest
 error (found by measuring)."""
-UNSOLVED = NO_EVENT - 1
-"""An event to which no step was found."""
-MOST_IDLE = 100
-"""Events in a row without a change of time: more will never end."""
+UNSOLVED = NO_EVENT - 1  # an event to which no step was found
+MOST_IDLE = 100  # events in a row without a change of time: more will never end
 ROUNDOFF = 1e-16
 
 
@@ -207,10 +188,10 @@ def _collocate(work, h, contact, p, law):
         for i in range(STAGES):
             collocation.stage(i, work, h)
             motion = rigid.motion(work.trial, contact, p, law)
-            for m in range(UNKNOWNS):
+            for m in range(rigid.UNKNOWNS):
                 work.residuals[i, m] = motion.accelerations[m] - work.rates[1 + i, m]
-            for m in range(INTEGRALS):
-                work.rates[1 + i, UNKNOWNS + m] = motion.powers[m]
+            for m in range(rigid.INTEGRALS):
+                work.rates[1 + i, rigid.UNKNOWNS + m] = motion.powers[m]
             mark(i, motion.joint, work)
         collocation.improve(work, h)
         size = collocation.largest(work)
@@ -229,17 +210,17 @@ def _try_step(work, h, motion, contact, state, tolerance, p, law):
     y, clearance = work.y, law.clearance
     for m in range(len(y)):
         work.start[m] = y[m]
-    work.joints[BEFORE] = work.joints[NOW]
-    for m in range(UNKNOWNS):
+    work.joints[rigid.BEFORE] = work.joints[rigid.NOW]
+    for m in range(rigid.UNKNOWNS):
         work.rates[AT_START, m] = motion.accelerations[m]
-    for m in range(INTEGRALS):
-        work.rates[AT_START, UNKNOWNS + m] = motion.powers[m]
+    for m in range(rigid.INTEGRALS):
+        work.rates[AT_START, rigid.UNKNOWNS + m] = motion.powers[m]
     # guesses of the accelerations at the points
     if state.size > 0 and h < FAR * state.length:
         collocation.guess(work, 1.0, h / state.length)
     else:
         for i in range(STAGES):
-            for m in range(UNKNOWNS):
+            for m in range(rigid.UNKNOWNS):
                 work.rates[1 + i, m] = work.rates[AT_START, m]
     # Weights are the inverses of the errors of z and z' that the tolerance allows. Places are
     # compared with the clearance, a depth with the largest one that the approach speed can lead
@@ -253,25 +234,13 @@ def _try_step(work, h, motion, contact, state, tolerance, p, law):
     weights[FIRST], weights[SECOND] = place, place
     weights[FIRST_RATE], weights[SECOND_RATE] = speed, speed
     if contact.closed:
-        weights[FIRST] = 1 / (tolerance * max(work.joints[NOW].deep, motion.joint.depth))
+        weights[FIRST] = 1 / (tolerance * max(work.joints[rigid.NOW].deep, motion.joint.depth))
         weights[SECOND], weights[SECOND_RATE] = 1 / tolerance, clearance * speed
     state.steps += 1
     if not _collocate(work, h, contact, p, law):
         return inf
     collocation.estimate(work, h)
     return collocation.largest(work)
-
-
-@inner
-def _next_step(size, length, state, work):
-    """Length of the step that follows one with an error of ``size``."""
-    growth = SAFETY / sixth_root(size)
-    if state.size > 0:  # prediction by two steps (Hairer and Wanner, sec. IV.8)
-        foretold = length / state.length * sixth_root(state.size / size)
-        growth = min(growth, growth * foretold)
-    h = length * min(growth, work.most)
-    work.most = GROWTH
-    return h
 
 
 @inner
@@ -285,11 +254,10 @@ def _try_again(h, state, work):
 def _end_step(work, h, contact, p, law):
     """End a step of ``h`` at its first event, or as it is.
 
-    Returns the event, the step's length, and the motion at its end. The event is
-    `UNSOLVED`, and the state that at the start, if Newton's method found no shorter step. The
-    polynomial of the whole step places the event only as well as the step's error allows. A step
-    that ends near the event places it exactly: it is nearly linear there. The third step ends on
-    the event.
+    Returns the event, the step's length, and the motion at its end. The event is `UNSOLVED`, and
+    the state that at the start, if Newton's method found no shorter step. The polynomial of the
+    whole step places the event only as well as the step's error allows. A step that ends near the
+    event places it exactly: it is nearly linear there. The third step ends on the event.
     """
     event = NO_EVENT
     for attempt in range(3):
@@ -324,7 +292,7 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
     while done < len(rows) and state.steps < state.until:
         t, h = state.time, state.step
         if rows[done].time <= t:
-            before, length = rigid.contact_state(work.joints[BEFORE]), state.length
+            before, length = rigid.contact_state(work.joints[rigid.BEFORE]), state.length
             share = (rows[done].time - state.began) / length
             at = evaluate(work, length, share, before, p, law)
             rigid.write_output(rows[done], work.trial, at, p)
@@ -341,7 +309,11 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
                 continue
             return done, stepping.FAILED
         size = max(size, LEAST_SIZE)
-        h = _next_step(size, length, state, work)
+        growth = SAFETY / sixth_root(size)
+        if state.size > 0:  # prediction by two steps (Hairer and Wanner, sec. IV.8)
+            foretold = length / state.length * sixth_root(state.size / size)
+            growth = min(growth, growth * foretold)
+        h, work.most = length * min(growth, work.most), GROWTH
         event, length, end = _end_step(work, length, contact, p, law)
         if event == UNSOLVED:  # again, with a step that ends before the event
             state.size = 0.0
@@ -376,7 +348,7 @@ def _too_deep(work, contact, start, end, state, table, p, law):
     if not contact.closed:
         return False
     _attend(state, work)
-    number, joint, step = work.joints[NOW].impact, end.joint, state.length
+    number, joint, step = work.joints[rigid.NOW].impact, end.joint, state.length
     row = events[number, stepping.PEAK]
     measure_peaks(impacts[number], row, work, state.began, step, start.joint, contact, p, law)
     if not (joint.depth <= law.clearance and impacts[number].peak_depth <= law.clearance):
@@ -391,8 +363,9 @@ def _too_deep(work, contact, start, end, state, table, p, law):
 @inner
 def _attend(state, work):
     """Give the state the energies lost so far, and the number of the joint's impact."""
-    state.lost_damping, state.lost_friction = work.y[LOST_DAMPING], work.y[LOST_FRICTION]
-    state.current_impact = work.joints[NOW].impact
+    lost = work.y[rigid.LOST_DAMPING], work.y[rigid.LOST_FRICTION]
+    state.lost_damping, state.lost_friction = lost
+    state.current_impact = work.joints[rigid.NOW].impact
 
 
 @inner
@@ -401,36 +374,33 @@ def _change_contact(event, motion, state, work, h, p, law, table):
 
     ``table`` has the impacts and their rows of output.
     """
-    (impacts, events), y, joint = table, work.y, work.joints[NOW]
+    (impacts, events), y, joint = table, work.y, work.joints[rigid.NOW]
+    e = motion.eccentricity
     if event != SURFACES:
         joint.regime += 1 if event == UPWARDS else -1
         return h
     _attend(state, work)
     if joint.closed:
-        rate, across = y[FIRST_RATE], law.clearance * y[SECOND_RATE]
-        stepping.end_impact(impacts, state, -rate)
-        row = stepping.event_row(events, state, stepping.END)
-        rigid.write_output(row, y, motion, p)
-        ny, nx = sine_cosine(y[SECOND])
-        y[FIRST], y[SECOND] = law.clearance * nx, law.clearance * ny
-        y[FIRST_RATE], y[SECOND_RATE] = rate * nx - across * ny, rate * ny + across * nx
+        stepping.end_impact(impacts, state, -e.rate)
+        rigid.write_output(stepping.event_row(events, state, stepping.END), y, motion, p)
+        across = law.clearance * e.spin
+        y[FIRST], y[SECOND] = law.clearance * e.nx, law.clearance * e.ny
+        y[FIRST_RATE] = e.rate * e.nx - across * e.ny
+        y[SECOND_RATE] = e.rate * e.ny + across * e.nx
         joint.closed, joint.regime = False, 0
         return h
-    if motion.joint.rate <= 0:  # it grazes, and goes on in flight
+    if e.rate <= 0:  # it grazes, and goes on in flight
         return h
-    r = norm(y[FIRST], y[SECOND])
-    nx, ny, wx, wy = y[FIRST] / r, y[SECOND] / r, y[FIRST_RATE], y[SECOND_RATE]
-    rate = nx * wx + ny * wy
-    y[FIRST], y[SECOND] = 0.0, angle_of(ny, nx)
-    y[FIRST_RATE], y[SECOND_RATE] = rate, (nx * wy - ny * wx) / law.clearance
-    joint.closed, joint.approach, joint.impact = True, rate, state.impacts
+    y[FIRST], y[SECOND] = 0.0, angle_of(e.ny, e.nx)
+    y[FIRST_RATE] = e.rate
+    y[SECOND_RATE] = (e.nx * e.y_rate - e.ny * e.x_rate) / law.clearance
+    joint.closed, joint.approach, joint.impact = True, e.rate, state.impacts
     joint.regime = friction_regime(motion.joint.sliding, p.v0, p.v1)
-    stepping.begin_impact(impacts, state, state.time, rate)
-    row = stepping.event_row(events, state, stepping.START)
-    rigid.write_output(row, y, motion, p)
+    stepping.begin_impact(impacts, state, state.time, e.rate)
+    rigid.write_output(stepping.event_row(events, state, stepping.START), y, motion, p)
     ny, nx = sine_cosine(y[SECOND])
-    joint.deep = rigid.impact_depth(y[THETA], law.clearance * ny, nx, ny, rate, p, law)
-    return min(h, 0.1 * joint.deep / rate)  # a tenth of the time to this depth
+    joint.deep = rigid.impact_depth(y[THETA], law.clearance * ny, nx, ny, e.rate, p, law)
+    return min(h, 0.1 * joint.deep / e.rate)  # a tenth of the time to this depth
 
 
 def stepper(
@@ -438,22 +408,18 @@ def stepper(
 ) -> tuple[np.recarray, Callable]:
     """State at t = 0, and the loop that steps it, for ``advance_in_blocks``; ``horizon`` in s."""
     p, clearance, state = scene.constants(), scene.clearance, stepping.new_state(*OWN)
-    own = [
-        ("joints", JOINT, (2,)),
-        ("marks", MARK, (STAGES,)),
-        ("most", float),
-        ("idle", np.int64),
-        ("evaluations", np.int64),  # of `rigid.motion`
-    ]
-    (work,) = np.zeros(1, [*collocation.fields(UNKNOWNS, INTEGRALS), *own]).view(np.recarray)
+    fields = collocation.fields(rigid.UNKNOWNS, rigid.INTEGRALS)
+    fields += [("joints", rigid.JOINT, (2,)), ("marks", MARK, (STAGES,)), ("most", float)]
+    fields += [("idle", np.int64), ("evaluations", np.int64)]  # evaluations of `rigid.motion`
+    (work,) = np.zeros(1, fields).view(np.recarray)
     work.y[THETA], work.y[OMEGA] = scene.initial_crank_angle, scene.starting_speed
     work.y[FIRST], work.y[SECOND] = scene.initial_eccentricity
     _, motion = rigid.current(work, p, law)
-    work.joints[NOW].deep = clearance
+    work.joints[rigid.NOW].deep = clearance
     driven = sqrt(norm(*motion.accelerations[FIRST : SECOND + 1]) * clearance)
     state.driven = max(driven, clearance / horizon)
     state.step = min(1e-3 * clearance / state.driven, horizon)
-    work.start[:], work.joints[BEFORE] = work.y, work.joints[NOW]
+    work.start[:], work.joints[rigid.BEFORE] = work.y, work.joints[rigid.NOW]
     state.length, work.most = 1.0, GROWTH
     return state, partial(advance, state, work, p, law, tolerance, horizon)
 

@@ -23,10 +23,10 @@ def clearance_joint(
     socket_ratio: float | None = None,
     liner: tuple = (),
 ) -> Joint:
-    """The clearance joint of a scene, whose socket is held at its whole outside.
+    """The clearance joint of a scene, with a socket that is held at its whole outside.
 
-    The scene does not have the wall of the socket in m or, instead, the ratio of its radii, and its
-    liners. By default they are those of the reference joint: a ratio of 1.298, and no liner.
+    The wall of the socket in m, or the ratio of its radii, and its liners are no parameters of a
+    scene. By default they are those of the reference joint: a ratio of 1.298, and no liner.
     """
     if wall is not None and socket_ratio is not None:
         raise ValueError("wall and socket_ratio must not both be given; remove one of them")
@@ -67,12 +67,8 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
             _check_same("modulus_ratio", law.joint.modulus_ratio, ratio)
             _check_same("poisson", law.joint.ball.poisson, ball.poisson)
             _check_same("socket_poisson", law.joint.innermost.poisson, socket.poisson)
-        law = DimensionalLaw(
-            law,
-            ball_radius=scene.ball_radius,
-            socket_radius=scene.socket_radius,
-            composite_modulus=scene.composite_modulus,
-        )
+        sizes = {name: getattr(scene, name) for name in ("ball_radius", "socket_radius")}
+        law = DimensionalLaw(law, **sizes, composite_modulus=scene.composite_modulus)
     _check_same("socket radius in m", law.socket_radius, scene.socket_radius)
     _check_same("clearance in m", law.clearance, scene.clearance)
     # a liner has a modulus of its own, and a scene without materials takes those of the law

@@ -37,7 +37,7 @@ position of the slider, and its speed half a step before."""
 LANES = 8
 """Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
 particles that never move: loops over both are then compiled to vectors."""
-System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
+Chain = namedtuple("Chain", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
 the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
 along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
@@ -168,14 +168,14 @@ def _follow_gap(state, impacts, depth, h):
 
 
 @compiled
-def _joint(ex, ey, depth, load, slider_mass, state, motion, system, workspace, p, law, h):
+def _joint(ex, ey, depth, load, slider_mass, state, motion, chain, workspace, p, law, h):
     """Forces of the joint as a `JointOutput`, and the limit of the step.
 
     The depth is > 0; ``workspace`` has the other forces and moments, and ``load`` the slider.
     """
-    last = system.last
+    last = chain.last
     spin, moment = motion[SPIN, last + 1], workspace[MOMENT, last + 1]
-    mass, rotary = system.bodies[MASS_X, last], system.bodies[ROTARY, last + 1]
+    mass, rotary = chain.bodies[MASS_X, last], chain.bodies[ROTARY, last + 1]
     r = norm(ex, ey)
     nx, ny = ex / r, ey / r
     wx, wy = motion[U, last] - state.slider_speed, motion[V, last]
@@ -183,8 +183,8 @@ def _joint(ex, ey, depth, load, slider_mass, state, motion, system, workspace, p
     elastic, stiffness = elastic_force(law, depth)
     loss = elastic * p.damping / state.approach
     inverse_mass = 1 / mass + nx * nx / slider_mass
-    stiff = system.frequency**2 + stiffness * inverse_mass
-    if system.lagged:  # (h w)^2 + 2 h c/m < 4
+    stiff = chain.frequency**2 + stiffness * inverse_mass
+    if chain.lagged:  # (h w)^2 + 2 h c/m < 4
         limit = (sqrt((loss * inverse_mass) ** 2 + 4 * stiff) - loss * inverse_mass) / stiff
         regime = friction_regime(sliding, p.v0, p.v1)
         speeds = rate, sliding, regime, state.approach
@@ -217,28 +217,28 @@ def _joint(ex, ey, depth, load, slider_mass, state, motion, system, workspace, p
 
 
 @compiled
-def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, h):
+def _write_output(row, state, motion, speed, pull, chain, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
-    m, w, pin, last = motion, workspace, system.pin, system.last
-    turning = 0.0 if p.steady else workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED]
+    m, w, pin, last = motion, workspace, chain.pin, chain.last
+    turning = 0.0 if p.steady else workspace[MOMENT, FIXED] / chain.bodies[ROTARY, FIXED]
     kinetic = stored = 0.0  # of the links, at the middle of the step; and of their strains
     for i in range(1, last + 1):
         for k in range(2):
-            kinetic += 0.5 * system.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
+            kinetic += 0.5 * chain.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
     for j in range(last + 2):
-        kinetic += 0.5 * system.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
+        kinetic += 0.5 * chain.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
     for e in range(last):
-        stretching = system.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
+        stretching = chain.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
         bending1, bending2 = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
         stored += 0.5 * (stretching + bending1 + bending2)
-    if not system.ideal:
+    if not chain.ideal:
         kinetic += 0.5 * p.m3 * speed * speed
     crank_speed = m[SPIN, FIXED] - 0.5 * h * turning
     work = state.work - loads.on_crank(p, m[TURN, FIXED], crank_speed).energy
     work -= loads.on_slider(p, state.slider, speed).energy
     for i in range(1, last + 1):
-        work -= p.gravity * system.bodies[MASS_X, i] * m[Y, i]
-    change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
+        work -= p.gravity * chain.bodies[MASS_X, i] * m[Y, i]
+    change = 0.5 * h * workspace[MOMENT, last + 1] / chain.bodies[ROTARY, last + 1]
     row.crank_angle, row.crank_speed = m[TURN, FIXED], crank_speed
     row.crank_acceleration, row.driving_moment = turning, p.moment + state.holding
     row.slider_position, row.slider_velocity, row.slider_acceleration = state.slider, speed, pull
@@ -250,9 +250,9 @@ def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, 
 
 
 @compiled
-def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts, events):
+def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
-    (elements, bodies, pin, last, _, ideal, _, _), done, m = system, 0, motion
+    (elements, bodies, pin, last, _, ideal, _, _), done, m = chain, 0, motion
     while done < len(rows) and state.steps < state.until:
         if state.impacts == len(impacts):
             return done, stepping.FULL
@@ -286,9 +286,9 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
             event = _follow_gap(state, impacts, depth, h)
             if depth > 0:
                 joint, limit = _joint(
-                    ex, ey, depth, on_slider, slider_mass, state, m, system, workspace, p, law, h
+                    ex, ey, depth, on_slider, slider_mass, state, m, chain, workspace, p, law, h
                 )
-                if system.guarded and not h <= limit:  # nor if the limit is no number
+                if chain.guarded and not h <= limit:  # nor if the limit is no number
                     state.limit = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
@@ -300,14 +300,14 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
         power += loads.on_crank(p, m[TURN, FIXED], workspace[MIDDLE_SPIN, FIXED]).power
         stepping.add_work(state, power, h if state.steps > 0 else 0.0)
         if not (finite and abs(speed) < inf):
-            state.limit = 2 / system.frequency
+            state.limit = 2 / chain.frequency
             return done, stepping.FAILED
         for which in (event, stepping.PEAK if largest else -1):
             if which >= 0:
                 row = stepping.event_row(events, state, which)
-                _write_output(row, state, m, speed, pull, system, workspace, joint, p, h)
+                _write_output(row, state, m, speed, pull, chain, workspace, joint, p, h)
         if state.steps % strides == 0:
-            _write_output(rows[done], state, m, speed, pull, system, workspace, joint, p, h)
+            _write_output(rows[done], state, m, speed, pull, chain, workspace, joint, p, h)
             done += 1
         for k in range(3):
             for i in range(bodies.shape[1]):
@@ -335,9 +335,9 @@ def blocks(
     """
     frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
-    *_, (x, speed) = straight_links(scene, elements, ideal)
+    start = straight_links(scene, elements, ideal)
     on_crank = loads.on_crank(p, scene.initial_crank_angle, scene.starting_speed)
-    on_slider = loads.on_slider(p, x, speed)
+    on_slider = loads.on_slider(p, *start[-1])
     by_springs = max(-on_crank.by_place, 0.0) / frame.rotaries[FIXED]
     by_springs += max(-on_slider.by_place, 0.0) / scene.slider_mass
     frequency = hypot(frequency, sqrt(by_springs))  # not below that of frame and springs together
@@ -357,12 +357,14 @@ def blocks(
     rows = [frame.elements[name] for name in ("length", "axial", "near", "far")]
     padded = _filled(rows, (1.0, 0.0, 0.0, 0.0))
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
-    system = System(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
+    chain = Chain(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     state = stepping.new_state(*OWN)
-    motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h, on_crank, on_slider)
+    motion, state.slider, state.slider_speed = _start(
+        scene, frame, start, ideal, h, on_crank, on_slider
+    )
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
     state.gap = norm(motion[X, last] - state.slider, motion[Y, last]) - scene.clearance
-    loop = partial(advance, state, motion, system, workspace, p, law, h, strides)
+    loop = partial(advance, state, motion, chain, workspace, p, law, h, strides)
     failure = "the step must stay <= {:.4g} s, the stability limit"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
@@ -374,14 +376,13 @@ def _filled(rows, values, more=0):
     return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
 
 
-def _start(scene, frame, ideal, h, on_crank, on_slider):
+def _start(scene, frame, start, ideal, h, on_crank, on_slider):
     """Motion, and the slider's position and speed, at t = 0; rates are those half a step before.
 
     The joints are at rest, and the links straight: only gravity and the loads accelerate them. They
     are unstrained too, so that a link that turns stretches, and oscillates axially at first.
     """
-    elements = frame.pin, len(frame.elements) - frame.pin
-    places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
+    places, rates, turns, spins, slide = start
     if scene.crank_speed is None:
         spins[FIXED] -= h / 2 * on_crank.value / frame.rotaries[FIXED]
     slide[1] -= h / 2 * on_slider.value / (scene.slider_mass + (frame.masses[-1] if ideal else 0.0))

@@ -18,8 +18,13 @@ from study.parameters import parameter
 
 LinkName = Literal["crank", "coupler"]
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
-LARGE = {"least": -1e6, "most": 1e6}
+LARGE: dict[str, Any] = {"least": -1e6, "most": 1e6}
 """Limits of numbers of either sign."""
+OF_ROD: dict[str, Any] = {
+    "otherwise": "that of a thin uniform rod",
+    "source": "assumed, thin uniform rod about its centre, m L^2/12",
+}
+"""Defaults of the moments of inertia."""
 _NUMBERS = "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady"
 _record: Any = namedtuple  # mypy knows no computed names of fields
 Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
@@ -27,17 +32,6 @@ Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
 ``steady`` is 1 for a crank of constant speed."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
-
-
-def _inertia_of(body: LinkName) -> Any:
-    return parameter(
-        None,
-        f"Moment of inertia of the {body} about its centre",
-        "kg m^2",
-        least=0,
-        otherwise="that of a thin uniform rod",
-        source="assumed, thin uniform rod about its centre, m L^2/12",
-    )
 
 
 def _material_of(body: str) -> Any:
@@ -131,8 +125,12 @@ class Scene:
         above=0,
         source="assumed, R2* = 200, the paper's static case",
     )
-    crank_inertia: float | None = _inertia_of("crank")
-    coupler_inertia: float | None = _inertia_of("coupler")
+    crank_inertia: float | None = parameter(
+        None, "Moment of inertia of the crank about its centre", "kg m^2", least=0, **OF_ROD
+    )
+    coupler_inertia: float | None = parameter(
+        None, "Moment of inertia of the coupler about its centre", "kg m^2", least=0, **OF_ROD
+    )
     ball: Material | str | None = _material_of("ball")
     socket: Material | str | None = _material_of("socket")
     link_modulus: float | None = parameter(
@@ -264,40 +262,24 @@ class Scene:
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
         checks.number(name, own, "kg m^2", least=least)
         modulus, area = self.link_modulus or self.youngs_modulus, mass / (self.density * length)
-        return Link(
-            length=length,
-            mass_per_length=mass / length,
-            rotary_per_length=max(own - rod, 0.0) / length,
-            axial=modulus * area,
-            shear=5 / 6 * modulus / (2 * (1 + self.poisson)) * area,
-            bending=modulus * area**2 / 12,
-        )
+        shear, bending = 5 / 6 * modulus / (2 * (1 + self.poisson)) * area, modulus * area**2 / 12
+        masses = mass / length, max(own - rod, 0.0) / length
+        return Link(length, *masses, axial=modulus * area, shear=shear, bending=bending)
 
     def constants(self) -> Any:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
-        g, g1 = self.gravity, (m1 / 2 + m2) * self.gravity * l1
-        return Constants(
-            l1=l1,
-            l2=l2,
-            a11=i1 + m1 * l1**2 / 4 + m2 * l1**2,
-            a22=i2 + m2 * l2**2 / 4,
-            a12=m2 * l1 * l2 / 2,
-            m2=m2,
-            m3=self.slider_mass,
-            moment=self.driving_moment if self.crank_speed is None else 0.0,
-            g1=g1,
-            g2=m2 * g * l2 / 2,
-            r1=self.ball_radius,
-            clearance=self.clearance,
-            damping=self.damping_factor,
-            friction=self.friction,
-            v0=self.slow_speed,
-            v1=self.full_speed,
-            steady=float(self.crank_speed is not None),
-            **{name: getattr(self, name) for name in loads.PARAMETERS},
-        )
+        g, steady = self.gravity, self.crank_speed is not None
+        links = {"l1": l1, "l2": l2, "m2": m2, "m3": self.slider_mass, "r1": self.ball_radius}
+        inertias = {"a11": i1 + m1 * l1**2 / 4 + m2 * l1**2, "a22": i2 + m2 * l2**2 / 4}
+        weights = {"g1": (m1 / 2 + m2) * g * l1, "g2": m2 * g * l2 / 2}
+        drive = {"moment": 0.0 if steady else self.driving_moment, "steady": float(steady)}
+        joint = {"clearance": self.clearance, "damping": self.damping_factor}
+        friction = {"friction": self.friction, "v0": self.slow_speed, "v1": self.full_speed}
+        of_loads = {name: getattr(self, name) for name in loads.PARAMETERS}
+        pendulum = inertias | weights | {"a12": m2 * l1 * l2 / 2}
+        return Constants(**links, **pendulum, **drive, **joint, **friction, **of_loads)
 
     def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""

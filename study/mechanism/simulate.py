@@ -31,9 +31,7 @@ if TYPE_CHECKING:
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
-BEAM_STEP = 1e-6
-ELEMENTS = (4, 8)
-MOST_STEPS = 1e10
+BEAM_STEP, ELEMENTS, MOST_STEPS = 1e-6, (4, 8), 1e10
 MOST_TURNED = 1e6
 """Largest angle in rad by which drive and gravity alone would turn the crank: some minutes of
 computing for rigid links. A crank far too short or light for its drive does nothing but turn."""
@@ -145,9 +143,8 @@ def simulate(
         ("method", method, model == "particles"),
     ):
         if value is not None and not used:
-            raise ValueError(
-                f"{name} does not apply to model {model} with joint {joint}; remove it"
-            )
+            which = f"model {model} with joint {joint}"
+            raise ValueError(f"{name} does not apply to {which}; remove it")
     p = scene.constants()
     turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
     turned += abs(scene.starting_speed) * duration
@@ -170,8 +167,9 @@ def simulate(
         blocks = ideal.blocks(scene, times)
     else:
         blocks = events.blocks(scene, packed, times, tolerance)
-    of_joint, tolerance = None if gapless else of_joint, None if flexible or gapless else tolerance
-    told = of_joint, scene.restitution, scene.delivered_restitution, tolerance
+    restitution = scene.restitution, scene.delivered_restitution
+    stated = None if flexible or gapless else tolerance
+    told = None if gapless else of_joint, *restitution, stated
     return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
 
 

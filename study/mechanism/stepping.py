@@ -21,7 +21,7 @@ from study.compiled import compiled
 from study.contact.forces import stored_energy
 from study.mechanism.response import EVENTS, IMPACT_COLUMNS, OUTPUT
 
-FINE, FULL, TOO_DEEP, FAILED = range(4)
+FINE, FULL, TOO_DEEP, FAILED = range(4)  # how a loop ends
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 START, PEAK, END = np.arange(len(EVENTS))
 """Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
@@ -167,14 +167,12 @@ def advance_in_blocks(
         if status != FINE or not finite.all():
             if done > 0:
                 yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
-            time, what = state.time, "a result is not a finite number"
+            time = state.time if finite.all() else rows["time"][done]
+            what = f"the penetration depth must stay <= one clearance ({state.limit:g} m)"
             if not finite.all():
-                time = rows["time"][done]
+                what = "a result is not a finite number"
             elif status == FAILED:
                 what = failure.format(state.limit)
-            else:
-                limit = f"{state.limit:g} m"
-                what = f"the penetration depth must stay <= one clearance ({limit})"
             raise MechanismError(
                 f"{what}; the simulation stopped at {time:.9g} s with a step of {state.step:.4g} s"
             )

@@ -110,14 +110,6 @@ def test_weights_of_the_error_are_those_to_a_method_of_lower_order():
     assert same(collocation.PLACE_ERROR, of_places)
 
 
-def test_points_integrate_polynomials_up_to_twice_their_number():
-    weights = collocation.RATE[-1]
-    for power in range(2 * collocation.STAGES - 1):
-        assert weights @ collocation.POINTS**power == pytest.approx(1 / (power + 1), rel=1e-14)
-    beyond = weights @ collocation.POINTS ** (2 * collocation.STAGES - 1)
-    assert abs(beyond - 0.1) > 1e-6
-
-
 def test_eigenvectors_are_those_of_the_matrix():
     """To ten digits, so that the rest is the same on every processor."""
     real, pairs = np.atleast_1d(collocation.REAL), collocation.COMPLEX

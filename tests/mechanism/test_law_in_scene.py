@@ -86,11 +86,6 @@ def test_the_default_law_of_a_socket():
     assert of_name(MIXED, wall=5e-3).name == "tabulated"
 
 
-def test_a_packed_law_is_that_of_the_scenes_materials():
-    numbers = [explicit.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
-    assert numbers[0] != numbers[1]
-
-
 def test_a_scene_outside_the_range_of_the_default_law_has_its_table():
     scene = Scene(poisson=0.1)
     assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1

@@ -50,8 +50,8 @@ import numpy as np
 from study.mechanism import Scene, simulate
 scene, results = Scene({LOAD}, initial_eccentricity=(4.5e-5, 0.0)), {{}}
 models = {{"rigid": {{}}, "particles": {{"elements": (2, 2)}}}}
-models["beams"] = {{"elements": (1, 1), "step": 1e-5}}
-for drive in ({{"crank_speed": 30.0}}, {{"initial_crank_angle": 1.0, "driving_moment": 2.0}}):
+models["beams"] = {{"elements": (1, 1), "step": 4e-6}}
+for drive in ({{"crank_speed": 30.0}}, {{"initial_crank_angle": 1.0, "driving_moment": 0.2}}):
     for model, options in models.items():
         for joint in ("ideal", "clearance"):
             how = options | {{"model": model, "joint": joint, "law": "hertz", "duration": 1e-3}}
@@ -96,10 +96,9 @@ def test_a_new_load_is_in_every_model_and_in_the_energy_balance(tmp_path):
     results = json.loads(run(RUN, NUMBA_DISABLE_JIT="1"))  # to compile all models takes a minute
     for name, found in results.items():
         model, joint_and_drive = name.split(maxsplit=1)
+        rough = "clearance" in name  # few elements and steps in an impact
         assert found["rest"] < 1e-12
-        assert found["energy_error"] < (1e-9 if model == "rigid" else 5e-3)
-        assert found["work"][0] == pytest.approx(found["work"][1], abs=2e-5)  # trapezoidal rule
-        same = pytest.approx(
-            results[f"rigid {joint_and_drive}"]["end"], abs=1e-5 if "ideal" in name else 1e-4
-        )
-        assert found["end"] == same
+        assert found["energy_error"] < (1e-9 if model == "rigid" else 2e-2 if rough else 1e-4)
+        assert found["work"][0] == pytest.approx(found["work"][1], abs=1e-4)  # trapezoidal rule
+        reference = results[f"rigid {joint_and_drive}"]["end"]
+        assert found["end"] == pytest.approx(reference, abs=1e-4 if rough else 5e-6)
