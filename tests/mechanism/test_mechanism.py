@@ -14,7 +14,6 @@ from scipy.integrate import solve_ivp
 from study import dataset, mechanism, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
-from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
 from study.mechanism.rigid import ContactState
@@ -384,17 +383,6 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-
-
-@pytest.mark.parametrize(
-    ("scheme", "order"), [("symplectic Euler", 1), ("velocity Verlet", 2), ("RK4", 4)]
-)
-def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
-    exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
-    assert (exact < 0).all()  # the slider rests, the ball moves
-    found = [explicit.integrate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
-    coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
-    assert np.log2(coarse / fine) > order - 0.4
 
 
 def test_a_response_tells_how_far_it_can_be_trusted():

@@ -16,9 +16,7 @@ FIELDS = """
     slider_rest: float = parameter(0.17, "Position of the slider without a spring's force", "m")
 """
 NAMES = """
-    "slider_stiffness",
-    "slider_damping",
-    "slider_rest",
+    *("slider_stiffness", "slider_damping", "slider_rest"),
 """
 CALL = """
         spring(p, position, speed),
@@ -32,17 +30,13 @@ def spring(p, position, speed):
     energy, power = k * stretch**2 / 2, -c * speed**2
     return Load(-k * stretch - c * speed, -k, -c, energy, power)
 '''
-RECIPE = {
-    "study/mechanism/scene.py": [
-        ("\n    crank_speed : float", DOCSTRING),
-        ("    # parameters of further loads", FIELDS),
-    ],
-    "study/mechanism/loads.py": [
-        ("    # parameters of further loads", NAMES),
-        ("        # further loads on the slider", CALL),
-    ],
-}
-"""File -> beginnings of the lines after which lines are added."""
+RECIPE = [
+    ("scene.py", "\n    crank_speed : float", DOCSTRING),
+    ("scene.py", "# parameters of further loads", FIELDS),
+    ("loads.py", "# parameters of further loads", NAMES),
+    ("loads.py", "# further loads on the slider", CALL),
+]
+"""Files, texts in the lines after which lines are added, and these lines."""
 LOAD = "slider_stiffness=2000.0, slider_damping=30.0, slider_rest=0.165"
 RUN = f"""
 import json
@@ -75,18 +69,15 @@ print(numba.njit(loads.on_slider)(Scene({LOAD}).constants(), 0.166, 2.0).value)
 
 
 def test_a_new_load_is_in_every_model_and_in_the_energy_balance(tmp_path):
-    root, added = copy_project(tmp_path / "project"), FUNCTION
-    for name, changes in RECIPE.items():
-        text = (root / name).read_text(encoding="utf-8")
-        for marker, lines in changes:
-            before, after = text.split(marker)
-            rest_of_line, after = after.split("\n", 1)
-            text = f"{before}{marker}{rest_of_line}{lines}{after}"
-            added += lines[1:]
-        (root / name).write_text(text, encoding="utf-8")
+    root = copy_project(tmp_path / "project")
+    for name, marker, lines in RECIPE:
+        path = root / "study/mechanism" / name
+        before, after = path.read_text(encoding="utf-8").split(marker)
+        end_of_line, after = after.split("\n", 1)
+        path.write_text(f"{before}{marker}{end_of_line}{lines}{after}", encoding="utf-8")
     with open(root / "study/mechanism/loads.py", "a", encoding="utf-8") as file:
         file.write(FUNCTION)
-    assert added.count("\n") <= 30
+    assert sum(lines.count("\n") for *_, lines in RECIPE) + FUNCTION.count("\n") <= 30
 
     def run(code, **variables):
         command, env = [sys.executable, "-c", code], environment(root, **variables)
