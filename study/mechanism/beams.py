@@ -55,12 +55,11 @@ SECTION = np.dtype(
 Ball = namedtuple("Ball", "x y turn slider")
 """Numbers of the unknowns of the ball, and of the slider's position."""
 Mesh = namedtuple("Mesh", "sections unknowns ball pin held mass weight initial rates ideal")
-"""Elements of both links on +x, their unknowns numbered along the chain, mass and weight.
+"""Elements of both links, with their unknowns numbered along the chain.
 
 ``sections`` has a `SECTION` for each element, ``unknowns`` the numbers of (x, y, rotation) at both
 of its ends; ``pin`` is the number of the pin's x, and ``held`` those of unknowns whose rate is
-given. In ``mass``, a band, column `BAND` is the diagonal. ``initial`` and ``rates`` are those at
-t = 0."""
+given. Column `BAND` of ``mass`` is its diagonal. ``initial`` and ``rates`` are those at t = 0."""
 BeamJoint = namedtuple("BeamJoint", "output rate sliding elastic")
 """Joint between beams: its `JointOutput`, the rate of its depth, its sliding speed, and the elastic
 part of its normal force."""

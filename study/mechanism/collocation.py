@@ -50,10 +50,10 @@ SHARES = 1 / np.arange(1.0, STAGES + 3)
 def fields(unknowns: int, integrals: int) -> list[tuple[Any, ...]]:
     """Names, types and shapes of what a step works on.
 
-    ``start`` and ``y`` are the states at the step's start and end. ``rates`` has a row of
-    accelerations and integrals' rates at the start and at each point, ``polynomial`` a row of their
-    coefficients for each power of time. ``k`` has the derivatives of f by (z, z') at the start.
-    ``error`` and ``weights`` are those of (z, z'). The rest is for Newton's method.
+    ``start`` and ``y`` are the states at the step's start and end. ``rates`` has accelerations and
+    integrals' rates at the start and at each point, ``polynomial`` their coefficients for each
+    power of time, and ``k`` the derivatives of f by (z, z') at the start. ``error`` and ``weights``
+    are those of (z, z'). The rest is for Newton's method.
     """
     n = unknowns
     return [

@@ -145,11 +145,12 @@ def first_event(work, h, contact, p, law):
 
 
 @inner
-def measure_peaks(impact, row, work, t, h, start, contact, p, law):
-    """Locate peaks of force and depth inside a step that begins at ``t`` with ``start``.
+def measure_peaks(impact, row, work, state, start, contact, p, law):
+    """Locate peaks of force and depth inside the last step, which began with ``start``.
 
     ``row`` is that of output at the peak of the force.
     """
+    h = state.length
     for event in (FORCE_PEAK, DEPTH_PEAK):
         low, before = 0.0, event_value(event, contact, start, p)
         for i in range(STAGES):
@@ -160,7 +161,7 @@ def measure_peaks(impact, row, work, t, h, start, contact, p, law):
                 impact.peak_depth = max(impact.peak_depth, peak.joint.depth)
                 if peak.joint.normal > impact.peak_force:
                     impact.peak_force = peak.joint.normal
-                    row.time = t + share * h
+                    row.time = state.began + share * h
                     rigid.write_output(row, work.trial, peak, p)
             low, before = POINTS[i], value
 
@@ -292,9 +293,9 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
     while done < len(rows) and state.steps < state.until:
         t, h = state.time, state.step
         if rows[done].time <= t:
-            before, length = rigid.contact_state(work.joints[rigid.BEFORE]), state.length
-            share = (rows[done].time - state.began) / length
-            at = evaluate(work, length, share, before, p, law)
+            share = (rows[done].time - state.began) / state.length
+            before = rigid.contact_state(work.joints[rigid.BEFORE])
+            at = evaluate(work, state.length, share, before, p, law)
             rigid.write_output(rows[done], work.trial, at, p)
             done += 1
             continue
@@ -326,6 +327,9 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
                 return done, stepping.FAILED
         state.began, state.length, state.size = t, length, size if event < 0 else 0.0
         state.time = horizon if landing and event < 0 else t + length
+        lost = work.y[rigid.LOST_DAMPING], work.y[rigid.LOST_FRICTION]
+        state.lost_damping, state.lost_friction = lost
+        state.current_impact = work.joints[rigid.NOW].impact
         if _too_deep(work, contact, motion, end, state, (impacts, events), p, law):
             return done, stepping.TOO_DEEP
         if event < 0:
@@ -347,25 +351,16 @@ def _too_deep(work, contact, start, end, state, table, p, law):
     impacts, events = table
     if not contact.closed:
         return False
-    _attend(state, work)
-    number, joint, step = work.joints[rigid.NOW].impact, end.joint, state.length
-    row = events[number, stepping.PEAK]
-    measure_peaks(impacts[number], row, work, state.began, step, start.joint, contact, p, law)
-    if not (joint.depth <= law.clearance and impacts[number].peak_depth <= law.clearance):
+    impact, joint = impacts[state.current_impact], end.joint
+    row = events[state.current_impact, stepping.PEAK]
+    measure_peaks(impact, row, work, state, start.joint, contact, p, law)
+    if not (joint.depth <= law.clearance and impact.peak_depth <= law.clearance):
         state.limit = law.clearance
         return True
     if stepping.follow_impact(impacts, state, joint.normal, joint.depth):
         row = stepping.event_row(events, state, stepping.PEAK)
         rigid.write_output(row, work.y, end, p)
     return False
-
-
-@inner
-def _attend(state, work):
-    """Give the state the energies lost so far, and the number of the joint's impact."""
-    lost = work.y[rigid.LOST_DAMPING], work.y[rigid.LOST_FRICTION]
-    state.lost_damping, state.lost_friction = lost
-    state.current_impact = work.joints[rigid.NOW].impact
 
 
 @inner
@@ -379,7 +374,6 @@ def _change_contact(event, motion, state, work, h, p, law, table):
     if event != SURFACES:
         joint.regime += 1 if event == UPWARDS else -1
         return h
-    _attend(state, work)
     if joint.closed:
         stepping.end_impact(impacts, state, -e.rate)
         rigid.write_output(stepping.event_row(events, state, stepping.END), y, motion, p)

@@ -1,7 +1,6 @@
-"""The frame of crank and coupler as particles with frame elements between them, laid out on +x.
+"""The frame of crank and coupler as particles with elements between them, which `particles` steps.
 
-It has the lumped masses of both links, the stiffnesses of their elements, and the highest natural
-frequency, which limits an explicit step. `particles` steps it.
+Its highest natural frequency limits an explicit step.
 """
 
 from math import sqrt
@@ -25,8 +24,7 @@ def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.flo
     moment of inertia of the link are then exact: stiff links move as rigid ones, with any number of
     elements. A single element has its mass at its ends, and too much inertia.
     """
-    length = link.length / elements
-    halves = np.full(elements + 1, 2.0)
+    length, halves = link.length / elements, np.full(elements + 1, 2.0)
     halves[[0, -1]] = 1.0
     masses = halves / 2
     if elements > 1:

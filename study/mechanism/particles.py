@@ -33,15 +33,13 @@ Method = Literal["centred", "lagged", "unguarded"]
 OWN = "gap", "gap_rate", "slider", "slider_speed"
 """Numbers of the state besides those of all models: the depth at the last step and its mean rate;
 position of the slider, and its speed half a step before."""
-
 LANES = 8
 """Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
 particles that never move: loops over both are then compiled to vectors."""
 Chain = namedtuple("Chain", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
-the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
-along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
-N."""
+the pin and of the last particle; how damping is stepped. The masses in ``bodies``, along x and y,
+have the slider of an ideal joint."""
 FIXED = 0  # number of the particle, and of its rotation, at the crank's fixed end
 AXIS_X, AXIS_Y = range(2)  # columns of places and rates
 # Rows of the motion: places and turns at the current time, and their rates half a step before
@@ -100,14 +98,9 @@ def _internal_forces(motion, elements, bodies, workspace, pin, last, drive):
 
 
 @compiled
-def _accelerate(motion, bodies, workspace, steady, h):
-    """Step the rates and fill in those at the middle of the step; say if all are finite.
-
-    At constant crank speed, ``steady``, the crank's fixed end keeps its rate.
-    """
-    wild, drive = 0, workspace[MOMENT, FIXED]
-    if steady:
-        workspace[MOMENT, FIXED] = 0.0
+def _accelerate(motion, bodies, workspace, h):
+    """Step the rates and fill in those at the middle of the step; say if all are finite."""
+    wild = 0
     for k in range(3):
         for i in range(bodies.shape[1]):
             change = h * workspace[FORCE_X + k, i] / bodies[k, i]
@@ -115,7 +108,6 @@ def _accelerate(motion, bodies, workspace, steady, h):
             workspace[MIDDLE_U + k, i] = middle
             motion[U + k, i] += change
             wild += not abs(middle) < 1e150
-    workspace[MOMENT, FIXED] = drive
     return wild == 0
 
 
@@ -220,7 +212,7 @@ def _joint(ex, ey, depth, load, slider_mass, state, motion, chain, workspace, p,
 def _write_output(row, state, motion, speed, pull, chain, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
     m, w, pin, last = motion, workspace, chain.pin, chain.last
-    turning = 0.0 if p.steady else workspace[MOMENT, FIXED] / chain.bodies[ROTARY, FIXED]
+    turning = workspace[MOMENT, FIXED] / chain.bodies[ROTARY, FIXED]
     kinetic = stored = 0.0  # of the links, at the middle of the step; and of their strains
     for i in range(1, last + 1):
         for k in range(2):
@@ -263,8 +255,8 @@ def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, 
         on_slider = loads.on_slider(p, state.slider, state.slider_speed)
         slider_mass = p.m3 - 0.5 * h * on_slider.by_rate
         _internal_forces(m, elements, bodies, workspace, pin, last, on_crank.value)
-        if p.steady:
-            state.holding = -workspace[MOMENT, FIXED]
+        if p.steady:  # the crank's fixed end keeps its rate
+            state.holding, workspace[MOMENT, FIXED] = -workspace[MOMENT, FIXED], 0.0
         else:
             workspace[MOMENT, FIXED] /= 1 - 0.5 * h * on_crank.by_rate / bodies[ROTARY, FIXED]
         event, largest = -1, False
@@ -293,7 +285,7 @@ def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, 
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
         pull = (joint.force_x + on_slider.value) / slider_mass  # the slider's acceleration
-        finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
+        finite = _accelerate(m, bodies, workspace, h)
         state.slider_speed = m[U, last] if ideal else state.slider_speed + h * pull
         speed = state.slider_speed - 0.5 * h * pull
         power = state.holding * m[SPIN, FIXED] + loads.on_slider(p, state.slider, speed).power
@@ -330,8 +322,7 @@ def blocks(
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
     seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
-    unless ``unguarded``. The default is half the limit; in a clearance joint, that at a depth of
-    one clearance.
+    unless ``unguarded``. The default is half the limit, with a clearance joint as deep as that.
     """
     frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)

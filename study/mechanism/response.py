@@ -20,15 +20,6 @@ if TYPE_CHECKING:
 
     from study.mechanism.scene import Scene
 
-_OF_JOINT = {
-    "eccentricity_x": Quantity("Eccentricity: from the socket's centre to the ball's along x", "m"),
-    "eccentricity_y": Quantity("The same along y", "m"),
-    "depth": Quantity("Penetration depth; negative without contact", "m"),
-    "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
-    "tangential_force": Quantity("Friction force", "N"),
-    "force_x": Quantity("Force on the body with the socket, along x", "N"),
-    "force_y": Quantity("The same along y", "N"),
-}
 COLUMNS = {
     "time": Quantity("Time", "s"),
     "crank_angle": Quantity("Angle of the crank", "rad"),
@@ -39,7 +30,13 @@ COLUMNS = {
     "slider_acceleration": Quantity("Acceleration of the slider", "m/s^2"),
     "coupler_angle": Quantity("Angle of the coupler", "rad"),
     "coupler_speed": Quantity("Angular velocity of the coupler", "rad/s"),
-    **_OF_JOINT,
+    "eccentricity_x": Quantity("Eccentricity: from the socket's centre to the ball's along x", "m"),
+    "eccentricity_y": Quantity("The same along y", "m"),
+    "depth": Quantity("Penetration depth; negative without contact", "m"),
+    "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
+    "tangential_force": Quantity("Friction force", "N"),
+    "force_x": Quantity("Force on the body with the socket, along x", "N"),
+    "force_y": Quantity("The same along y", "N"),
     "work": Quantity("Work of drive, gravity and other loads since t = 0", "J"),
     "kinetic": Quantity("Kinetic energy", "J"),
     "elastic": Quantity("Elastic energy of all joints and links", "J"),

@@ -1,8 +1,4 @@
-"""The crank-slider of the paper's section 4.3: what the paper states, and what this study assumes.
-
-Tables 3 and 4 state lengths, masses, clearance, material, restitution, friction and drive. Every
-field of `Scene` has its unit, its range and its source.
-"""
+"""The crank-slider of the paper's section 4.3: what its Tables 3 and 4 state, and assumptions."""
 
 from collections import namedtuple
 from dataclasses import dataclass, replace
@@ -53,9 +49,8 @@ class Scene:
     The slide lies along +x and passes through the axis of the crank. The clearance joint is between
     coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
     which does not rotate. The ball is at rest relative to its socket at t = 0. The defaults are
-    those of Yao et al., and for what they do not state those of this study. Each parameter is
-    explained with its range and source where it is defined (`study.parameters.described`), and by
-    ``study simulate --help``.
+    those of Yao et al., and for what they do not state those of this study. ``study simulate
+    --help`` explains each parameter, and its field has the source of the default.
 
     Parameters
     ----------
@@ -287,9 +282,8 @@ class Scene:
 
 
 def paper_scene(**changes: Any) -> Scene:
-    """Mechanism parameters with the damping model of Yao et al.
+    """Mechanism parameters with the damping model of Yao et al., and other ``changes``.
 
-    With this model an impact does not have the given coefficient of restitution
-    (`Scene.delivered_restitution`). The ``changes`` are attributes of `Scene`.
+    With this model an impact delivers another coefficient of restitution than the given one.
     """
     return Scene(**({"damping": PAPER_DAMPING} | changes))

@@ -1,8 +1,6 @@
 """The function `simulate`, which runs every model of the crank-slider, with checked arguments.
 
-The three models have rigid links, links of particles (the finite particle method of Yao et al.), or
-links of beam elements, each with a clearance joint or an ideal joint. `study.choose.compare_models`
-compares them.
+`study.choose.compare_models` compares the models.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for

@@ -1,9 +1,7 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
-Each is a record with named fields. A loop fills rows, which have their times. It ends when all are
-filled, after a number of steps, when the table of impacts is full, or when it fails; the next call
-goes on from the state. Each impact adds three rows of output, as output at equal times
-hides impacts.
+A loop fills rows, which have their times. It ends when all are filled, after a number of steps,
+when the table of impacts is full, or when it fails; the next call goes on from the state.
 """
 
 from collections import namedtuple
@@ -160,13 +158,15 @@ def advance_in_blocks(
         new = structured_to_unstructured(rows[done : done + filled])
         finite = np.isfinite(new).all(axis=1)
         done += int(np.append(finite, False).argmin())
+        taken = perf_counter() - start
         if status == FULL and finite.all():
             more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
             impacts, events = map(np.concatenate, more)
             continue
-        if status != FINE or not finite.all():
-            if done > 0:
-                yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+        failed = status != FINE or not finite.all()
+        if done > 0 or not failed:
+            yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+        if failed:
             time = state.time if finite.all() else rows["time"][done]
             what = f"the penetration depth must stay <= one clearance ({state.limit:g} m)"
             if not finite.all():
@@ -176,5 +176,4 @@ def advance_in_blocks(
             raise MechanismError(
                 f"{what}; the simulation stopped at {time:.9g} s with a step of {state.step:.4g} s"
             )
-        some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
-        yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+        some = 1 + int(some * min(10.0, PATIENCE / taken))

@@ -384,9 +384,9 @@ def test_steuermann_of_any_order_is_finite_and_settles():
     ("scheme", "order"), [("symplectic Euler", 1), ("velocity Verlet", 2), ("RK4", 4)]
 )
 def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
-    exact = simulate(paper_scene(), law="hertz", duration=1.6e-3, outputs=4, tolerance=1e-12).depth
+    exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
     assert (exact < 0).all()  # the slider rests, the ball moves
-    how = paper_scene(), explicit.packed(paper_scene(), "hertz"), 1.6e-3, 4
+    how = PAPER, explicit.packed(PAPER, "hertz"), 1.6e-3, 4
     found = [explicit.integrate(*how, step, scheme)[1] for step in (4e-4, 2e-4)]
     coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
     assert np.log2(coarse / fine) > order - 0.4
