@@ -153,7 +153,8 @@ def start_of(scene: Scene) -> NDArray[np.float64]:
 
     Raises ``ValueError`` for a scene with a constant speed.
     """
-    scene.has_none_of("crank_speed")
+    if scene.crank_speed is not None:
+        raise ValueError("crank_speed does not apply to explicit steps; remove it")
     places = scene.initial_crank_angle, *scene.initial_eccentricity
     return np.array([*places, scene.initial_crank_speed, 0.0, 0.0])
 

@@ -20,25 +20,21 @@ from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
 from math import inf
-from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study.compiled import compiled
 from study.contact.forces import friction_regime, joint_forces
 from study.mechanism import loads, stepping
 from study.mechanism.angles import direction, norm, sine_cosine
-from study.mechanism.frame import straight_links
-from study.mechanism.scene import LinkName, Scene
+from study.mechanism.frame import Array, Elements, straight_links
+from study.mechanism.scene import LINKS, Scene
 from study.mechanism.stepping import JointOutput
 
-SPECTRAL_RADIUS = 0.8
-"""At infinite frequency: the share that a step leaves of motions that it cannot follow."""
+SPECTRAL_RADIUS = 0.8  # share that a step leaves of motions of infinite frequency
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
 ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
-NEWTON_TOLERANCE = 1e-9
-"""Change at which Newton's method stops, relative to the clearance."""
+NEWTON_TOLERANCE = 1e-9  # change at which Newton's method stops, relative to the clearance
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 NO_TANGENT = (0.0, 0.0)
 ANY = np.int64(3)  # friction regime: that of the sliding speed; from NumPy, as in `events`
@@ -66,7 +62,7 @@ part of its normal force."""
 NO_JOINT = BeamJoint(JointOutput(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
 
 
-def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> Mesh:
+def assemble(scene: Scene, elements: Elements, ideal: bool) -> Mesh:
     """Mesh with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
     places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     (pin, _), nodes = elements, np.arange(len(places))
@@ -84,7 +80,7 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> Mesh:
     if scene.crank_speed is not None:
         held.append(CRANK)
     rows = []
-    for body, n in zip(get_args(LinkName), elements, strict=True):
+    for body, n in zip(LINKS, elements, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
@@ -206,14 +202,14 @@ def _add_joint(q, v, ball, touching, approach, regime, p, law, force, matrix, ta
 
 @compiled
 def _hold(unknowns, matrix, right):
-    """Make a banded mesh leave some unknowns at 0."""
+    """Make a banded system leave some unknowns at 0."""
     for i in unknowns:
         right[i], matrix[i], matrix[i, BAND] = 0.0, 0.0, 1.0
 
 
 @compiled
 def _solve(matrix, right):
-    """Solve a banded mesh in place by elimination along the chain, without pivoting."""
+    """Solve a banded system in place by elimination along the chain, without pivoting."""
     size = len(right)
     for i in range(size):
         pivot = matrix[i, BAND]
@@ -460,7 +456,7 @@ def _start(mesh, p):
 
 
 def _solution(matrix, right, held):
-    """Solution of a banded mesh, 0 for the unknowns ``held``."""
+    """Solution of a banded system, 0 for the unknowns ``held``."""
     matrix, right = matrix.copy(), right.copy()
     _hold(np.array(held), matrix, right)
     _solve(matrix, right)
@@ -468,12 +464,7 @@ def _solution(matrix, right, held):
 
 
 def blocks(
-    scene: Scene,
-    law: np.record,
-    times: NDArray[np.float64],
-    ideal: bool,
-    step: float,
-    elements: tuple[int, int],
+    scene: Scene, law: np.record, times: Array, ideal: bool, step: float, elements: Elements
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
     mesh, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()

@@ -10,8 +10,7 @@ from study import checks
 from study.mechanism.response import Response
 from study.mechanism.simulate import LEAST_TOLERANCE
 
-SAME = 0.01
-"""Clearances: two eccentricities that differ by less are the same motion."""
+SAME = 0.01  # clearances: two eccentricities that differ by less are the same motion
 FINER = 100  # times, the tolerance of a second run
 
 
@@ -95,10 +94,7 @@ def motion_nrms(reference: Response, response: Response, column: str) -> float:
 
 
 def phase_lead(response: Response, ideal: Response) -> NDArray[np.float64]:
-    """Phase lead of the crank over the ideal mechanism's, as time in s, at each output.
-
-    Negative for a lag, 0 where the ideal one rests.
-    """
+    """Phase lead of the crank over the ideal one's in s; < 0 for a lag, 0 where that one rests."""
     same_times(response=response, ideal=ideal)
     ahead, speed = response.crank_angle - ideal.crank_angle, ideal.crank_speed
     return np.divide(ahead, speed, out=np.zeros_like(ahead), where=speed != 0)

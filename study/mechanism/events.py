@@ -42,8 +42,7 @@ regime, or falls below the lower one; the normal force or the depth has a peak."
 NO_EVENT = np.int64(-1)
 MARK = np.dtype([(name, float) for name in ("depth", "rate", "sliding", "normal_rate")])
 """What shows the events of the joint, at a point of a step."""
-TAIL = 0.001
-"""Share at the end of a step, which ends close to an event, where the event function is linear."""
+TAIL = 0.001  # share at the end of a step near an event where the event function is linear
 OWN = "driven", "began", "length", "size"
 """Numbers of the state besides those of all models: the speed that the drive gives; the last step's
 start, its length, and the size of its error, 0 if it was in another contact state."""

@@ -21,8 +21,7 @@ from study.mechanism.response import OUTPUT
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import Block, MechanismError, new_impacts
 
-BLOCKS = 100
-"""Parts of a simulation, after each of which an interruption is heeded."""
+BLOCKS = 100  # parts of a simulation, after each of which an interruption is noticed
 IdealMotion = namedtuple(
     "IdealMotion", "st ct sp cp phi1 phi2 x x1 x2 alpha holding on_crank on_slider power"
 )

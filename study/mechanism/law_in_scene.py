@@ -12,8 +12,7 @@ from study.joint import Joint
 from study.mechanism.scene import Scene
 
 SAME = 1e-6  # relative difference of the sizes and materials of a law and of a scene
-LAW = "stiffened_hertz"
-"""Default law of a simulation."""
+LAW = "stiffened_hertz"  # default of a simulation
 
 
 def clearance_joint(
@@ -51,10 +50,7 @@ def of_name(scene: Scene, law: str | None = None, **socket: Any) -> Any:
 
 
 def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
-    """A law of `simulate` in the clearance joint of the scene.
-
-    A law of another joint, or of other materials, than the scene's is a ``ValueError``.
-    """
+    """A law of `simulate` in the scene's joint; one of another joint is a ``ValueError``."""
     if isinstance(law, Joint):
         law = law.law()
     if isinstance(law, str) and LAWS[checks.choice("law", law, LAWS)].needs_joint:
@@ -76,10 +72,8 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
     if scene.materials not in (Scene().materials, bodies):
         _check_same("composite modulus E* in Pa", law.composite_modulus, scene.composite_modulus)
     if law.deepest < law.clearance * (1 - LIMIT_MARGIN):
-        raise checks.RangeError(
-            "law must be valid up to a depth of one clearance, but the law "
-            f"{law.name} is valid up to {law.deepest:.4g} m"
-        )
+        deep = f"but the law {law.name} is valid up to {law.deepest:.4g} m"
+        raise checks.RangeError(f"law must be valid up to a depth of one clearance, {deep}")
     return law
 
 

@@ -1,27 +1,22 @@
 """Loads of the mechanism in one form for all models: moments on the crank, forces on the slider.
 
-A `Load` acts along a coordinate, which is the angle of the crank or the position of the slider.
-The models take its value and derivatives for their steps, and its energy and power for the energy
-balance. The work of all loads since t = 0 is
+A `Load` acts along a coordinate: the angle of the crank, or the position of the slider. Models take
+its value and derivatives for their steps, and its energy and power for the energy balance: the work
+of a load since t = 0 is the integral of its power over time less the change of its energy.
 
-    integral of the power over time - change of the energy.
-
-A new load is a function like `drive`, which `on_crank` or `on_slider` calls. It takes the numbers
-of the scene `p`, a place and its rate, uses operators and functions of NumPy only, because the
-ideal mechanism has arrays of places, and returns floating-point numbers.
-
-The weight is no `Load`: it is an acceleration, -gravity along y, of the masses of each model.
+A new load is a function like `drive`, which `on_crank` or `on_slider` calls. It uses operators and
+functions of NumPy only, because the ideal mechanism has arrays of places, and returns floats. The
+weight is no `Load`: it is an acceleration, -gravity along y, of the masses of each model.
 """
 
 from collections import namedtuple
 
 from numba.extending import register_jitable
 
-PARAMETERS = [
+PARAMETERS = [  # of `Scene`, that are also in `p`
     "gravity",
     # parameters of further loads
 ]
-"""Names of parameters of `Scene` that are in ``p``, too."""
 Load = namedtuple("Load", "value by_place by_rate energy power")
 """A force in N or a moment in N m, and its derivatives by the place (m or rad) and by its rate.
 

@@ -1,9 +1,9 @@
 """Links of particles, integrated explicitly: the finite particle method, as Yao et al. use it.
 
-Each particle has a mass and, per link, a rotary inertia; plane frame elements between them
-give internal forces, found after the element's rigid motion is taken off (vector form
-intrinsic finite element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by
-explicit central differences (Eq. 29).
+Each particle has a mass and, per link, a rotary inertia. Plane frame elements between them give
+internal forces, found after the element's rigid motion is taken off (vector form intrinsic finite
+element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by explicit central
+differences (Eq. 29).
 
 The joint's damping and friction take the centred velocity, and the step's forces are solved for.
 ``lagged`` takes the velocity half a step ago instead. Its step is also limited by the damping
@@ -18,14 +18,13 @@ from math import ceil, hypot, inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, friction_factor, friction_regime, joint_forces
 from study.mechanism import loads, stepping
 from study.mechanism.angles import angle_of, direction, norm
-from study.mechanism.frame import Frame, straight_links
+from study.mechanism.frame import Array, Elements, Frame, straight_links
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JointOutput
 
@@ -33,9 +32,7 @@ Method = Literal["centred", "lagged", "unguarded"]
 OWN = "gap", "gap_rate", "slider", "slider_speed"
 """Numbers of the state besides those of all models: the depth at the last step and its mean rate;
 position of the slider, and its speed half a step before."""
-LANES = 8
-"""Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
-particles that never move: loops over both are then compiled to vectors."""
+LANES = 8  # numbers in a processor's widest vector: loops over multiples are compiled to vectors
 Chain = namedtuple("Chain", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
 the pin and of the last particle; how damping is stepped. The masses in ``bodies``, along x and y,
@@ -52,7 +49,7 @@ COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH 
 FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
-def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
+def stable_step(scene: Scene, elements: Elements) -> float:
     """Stability limit in s of the explicit time step, for a clearance joint without contact."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
@@ -312,17 +309,17 @@ def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, 
 def blocks(
     scene: Scene,
     law: np.record,
-    times: NDArray[np.float64],
+    times: Array,
     ideal: bool,
     step: float | None,
-    elements: tuple[int, int],
+    elements: Elements,
     method: Method,
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
     seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
-    unless ``unguarded``. The default is half the limit, with a clearance joint as deep as that.
+    unless ``unguarded``. The default is half the limit, with clearance that at a depth of it.
     """
     frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
@@ -337,8 +334,7 @@ def blocks(
         inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
         _, stiffness = elastic_force(law, scene.clearance)
         step = 1 / (frequency if ideal else sqrt(frequency**2 + stiffness * inverse_mass))
-    in_contact = min(limit, 2 * step)
-    checks.number("stability limit", in_contact, "s", least=1e-10 * times[-1])
+    checks.number("stability limit", min(limit, 2 * step), "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the stability limit, got {step:.4g} s")

@@ -116,10 +116,9 @@ class Response:
     def motion(self) -> "pd.DataFrame":
         """Table of the `columns`, in SI units, at the output times and at the events of impacts.
 
-        The last column, ``event``, is empty at output times. At events it is one of `EVENTS`. For
-        links of particles and beams the events are the first step in contact, the step of the
-        maximum force, and the first step out of contact. The normal force in contact may be
-        negative (`study.contact.forces.joint_forces`).
+        The last column, ``event``, is empty at output times. At events, which are ends of steps for
+        flexible links, it is one of `EVENTS`. The normal force in contact may be negative
+        (`study.contact.forces.joint_forces`).
         """
         import pandas as pd
 
@@ -196,7 +195,6 @@ def exceeded_limits(
         found |= limits.limits(joint, depth_star, 0.0, depth=deepest)
         found |= limits.yield_limit(joint, depth_star)
     except checks.RangeError as error:
-        found["joint"] = (
-            f"The law was not compared with an elastic solution of this joint: {error}."
-        )
+        what = "The law was not compared with an elastic solution of this joint"
+        found["joint"] = f"{what}: {error}."
     return found

@@ -49,14 +49,12 @@ THETA, FIRST, SECOND, OMEGA, FIRST_RATE, SECOND_RATE = range(2 * UNKNOWNS)
 LOST_DAMPING, LOST_FRICTION, WORK = range(2 * UNKNOWNS, 2 * UNKNOWNS + INTEGRALS)
 """Places of the integrals: energies lost to damping and friction, and the work of loads."""
 _UNIT = np.eye(2 * UNKNOWNS)
-NO_FORCES = JointForces(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-"""What `joint_forces` would return in flight."""
+NO_FORCES = JointForces(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # in flight
 _NUMBERS = [("approach", float), ("deep", float), ("regime", np.int64), ("impact", np.int64)]
 JOINT = np.dtype([*_NUMBERS, ("closed", bool)], align=True)
 """State of the joint: its `ContactState`, the depth to which the approach speed can lead, and the
 number of the impact."""
-NOW, BEFORE = range(2)
-"""Places of the joint's records: now, and at the start of the step."""
+NOW, BEFORE = range(2)  # places of the joint's records: now, and at the start of the step
 ContactState = namedtuple("ContactState", "closed regime approach")
 """Discrete state of the joint: whether it is in contact, its friction regime, and the approach
 speed of the contact. While the state stays, the equations of motion are smooth."""
@@ -115,18 +113,6 @@ def _on_ball(e, forces):
     """Force f = -N n + T t on the ball along x and y, where t = (-ny, nx)."""
     normal, tangential = forces.normal, forces.tangential
     return -normal * e.nx - tangential * e.ny, -normal * e.ny + tangential * e.nx
-
-
-@inlined
-def _on_ball_change(e, forces, change, dsliding):
-    """Derivatives of T, and of f along x and y: df = -dN n + dT t - (N t + T n) d(direction)."""
-    nx, ny, normal, tangential = e.nx, e.ny, forces.normal, forces.tangential
-    dnormal = forces.normal_by_depth * change.length + forces.normal_by_rate * change.rate
-    dtangential = forces.tangential_by_normal * dnormal + forces.tangential_by_sliding * dsliding
-    turned_x, turned_y = normal * ny - tangential * nx, -normal * nx - tangential * ny
-    dfx = -dnormal * nx - dtangential * ny + turned_x * change.direction
-    dfy = -dnormal * ny + dtangential * nx + turned_y * change.direction
-    return dtangential, dfx, dfy
 
 
 @partial(compiled, forceinline=True)  # to pass its tuples takes longer than to compute them
@@ -194,7 +180,7 @@ def derive(y, contact, p, at, k):
     l1, l2, omega, closed, e = p.l1, p.l2, y[OMEGA], contact.closed, at.eccentricity
     st, ct, sp, cp, psi, x, speed = at.pose
     (alpha, _, turning), beta = at.accelerations, at.beta
-    fx, fy = _on_ball(e, at.forces)
+    forces, (fx, fy) = at.forces, _on_ball(e, at.forces)
     on_crank, on_slider = loads.on_crank(p, y[THETA], omega), loads.on_slider(p, x, speed)
     cross, coupling = p.a12 * (st * cp - ct * sp), p.a12 * (ct * cp + st * sp)
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
@@ -210,8 +196,13 @@ def derive(y, contact, p, at, k):
         dpsi = (de.y_rate + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
         dx = -l1 * st * dt - l2 * sp * dp - de.x
         dspeed = -l1 * (ct * omega * dt + st * do) - l2 * (cp * psi * dp + sp * dpsi) - de.x_rate
+        # joint: df = -dN n + dT t - (N t + T n) d(direction)
         dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
-        dtangential, dfx, dfy = _on_ball_change(e, at.forces, de, dsliding)
+        dnormal = forces.normal_by_depth * de.length + forces.normal_by_rate * de.rate
+        dtangential = forces.tangential_by_normal * dnormal
+        dtangential += forces.tangential_by_sliding * dsliding
+        dfx = -dnormal * e.nx - dtangential * e.ny - fy * de.direction
+        dfy = -dnormal * e.ny + dtangential * e.nx + fx * de.direction
         # double pendulum A (alpha, beta) = q: A (dalpha, dbeta) = dq - dA (alpha, beta)
         dcross, dcoupling = coupling * (dt - dp), -cross * (dt - dp)
         dq1 = (
@@ -301,9 +292,8 @@ def write_output(row, y, at, p):
     row.work = y[WORK] - on_crank.energy - on_slider.energy - p.g1 * st - p.g2 * sp
     row.kinetic, row.elastic = kinetic, 0.0  # the elastic energy of the joint is added at the end
     row.lost_damping, row.lost_friction = y[LOST_DAMPING], y[LOST_FRICTION]
-    normal, tangential, (fx, fy) = joint.normal, joint.tangential, _on_ball(e, at.forces)
-    on_socket = 0.0 - fx, 0.0 - fy  # without -0.0
-    output = JointOutput(e.x, e.y, joint.depth, normal, tangential, *on_socket)
+    forces, (fx, fy) = (joint.normal, joint.tangential), _on_ball(e, at.forces)
+    output = JointOutput(e.x, e.y, joint.depth, *forces, 0.0 - fx, 0.0 - fy)  # without -0.0
     stepping.write_joint(row, output)
     # the coupler's centre is accelerated by its weight and the forces on its two ends
     ax = -p.l1 * (st * alpha + ct * omega * omega) - 0.5 * p.l2 * (sp * beta + cp * psi * psi)

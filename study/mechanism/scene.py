@@ -3,7 +3,7 @@
 from collections import namedtuple
 from dataclasses import dataclass, replace
 from math import hypot, pi
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 from study import checks, parameters
 from study.contact import Material, composite_modulus, material
@@ -12,15 +12,13 @@ from study.contact.materials import read_material
 from study.mechanism import loads
 from study.parameters import parameter
 
-LinkName = Literal["crank", "coupler"]
+LINKS = ("crank", "coupler")
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
-LARGE: dict[str, Any] = {"least": -1e6, "most": 1e6}
-"""Limits of numbers of either sign."""
+LARGE: dict[str, Any] = {"least": -1e6, "most": 1e6}  # limits of numbers of either sign
 OF_ROD: dict[str, Any] = {
     "otherwise": "that of a thin uniform rod",
     "source": "assumed, thin uniform rod about its centre, m L^2/12",
 }
-"""Defaults of the moments of inertia."""
 _NUMBERS = "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady"
 _record: Any = namedtuple  # mypy knows no computed names of fields
 Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
@@ -237,23 +235,15 @@ class Scene:
     @property
     def inertias(self) -> tuple[float, float]:
         """Moments of inertia of crank and coupler about their centres, in kg m^2."""
-        crank = self.crank_mass * self.crank_length**2 / 12
-        coupler = self.coupler_mass * self.coupler_length**2 / 12
-        return (
-            crank if self.crank_inertia is None else self.crank_inertia,
-            coupler if self.coupler_inertia is None else self.coupler_inertia,
-        )
+        crank = self.crank_inertia, self.crank_mass, self.crank_length
+        coupler = self.coupler_inertia, self.coupler_mass, self.coupler_length
+        i1, i2 = (m * size**2 / 12 if i is None else i for i, m, size in (crank, coupler))
+        return i1, i2
 
-    def has_none_of(self, *names: str) -> None:
-        """Raise ``ValueError`` if a parameter is given that a model does not have."""
-        for name in names:
-            if getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name} does not apply to this model; remove it")
-
-    def link(self, body: LinkName) -> Link:
+    def link(self, body: str) -> Link:
         """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
-        rod, own = mass * length**2 / 12, self.inertias[get_args(LinkName).index(body)]
+        rod, own = mass * length**2 / 12, self.inertias[LINKS.index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
         checks.number(name, own, "kg m^2", least=least)
         modulus, area = self.link_modulus or self.youngs_modulus, mass / (self.density * length)

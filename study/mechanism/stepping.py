@@ -24,7 +24,6 @@ PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruptio
 START, PEAK, END = np.arange(len(EVENTS))
 """Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
 IMPACT = np.dtype([(name, float) for name in (*IMPACT_COLUMNS, "lost_before")])
-"""An impact while it is computed."""
 STATE = [
     *((name, float) for name in ("time", "step", "until", "limit", "approach")),
     *((name, float) for name in ("lost_damping", "lost_friction", "holding", "power", "work")),
