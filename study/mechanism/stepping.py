@@ -22,7 +22,7 @@ from study.mechanism.response import EVENTS, IMPACT_COLUMNS, OUTPUT
 FINE, FULL, TOO_DEEP, FAILED = range(4)  # how a loop ends
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 START, PEAK, END = np.arange(len(EVENTS))
-"""Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
+"""Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `events`."""
 IMPACT = np.dtype([(name, float) for name in (*IMPACT_COLUMNS, "lost_before")])
 STATE = [
     *((name, float) for name in ("time", "step", "until", "limit", "approach")),
