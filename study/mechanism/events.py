@@ -205,16 +205,16 @@ def _collocate(work, h, contact, p, law):
 
 
 @inner
-def _try_step(work, h, motion, contact, state, tolerance, p, law):
+def _try_step(work, h, rates, contact, state, tolerance, p, law):
     """Size of the error of a step of ``h``, over the tolerance; infinite if none was found."""
-    y, clearance = work.y, law.clearance
+    y, clearance, (accelerations, powers) = work.y, law.clearance, rates
     for m in range(len(y)):
         work.start[m] = y[m]
     work.joints[rigid.BEFORE] = work.joints[rigid.NOW]
     for m in range(rigid.UNKNOWNS):
-        work.rates[AT_START, m] = motion.accelerations[m]
+        work.rates[AT_START, m] = accelerations[m]
     for m in range(rigid.INTEGRALS):
-        work.rates[AT_START, rigid.UNKNOWNS + m] = motion.powers[m]
+        work.rates[AT_START, rigid.UNKNOWNS + m] = powers[m]
     # guesses of the accelerations at the points
     if state.size > 0 and h < FAR * state.length:
         collocation.guess(work, 1.0, h / state.length)
@@ -234,7 +234,7 @@ def _try_step(work, h, motion, contact, state, tolerance, p, law):
     weights[FIRST], weights[SECOND] = place, place
     weights[FIRST_RATE], weights[SECOND_RATE] = speed, speed
     if contact.closed:
-        weights[FIRST] = 1 / (tolerance * max(work.joints[rigid.NOW].deep, motion.joint.depth))
+        weights[FIRST] = 1 / (tolerance * max(work.joints[rigid.NOW].deep, y[FIRST]))
         weights[SECOND], weights[SECOND_RATE] = 1 / tolerance, clearance * speed
     state.steps += 1
     if not _collocate(work, h, contact, p, law):
@@ -302,7 +302,8 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
             return done, stepping.FULL
         landing = t + h * 1.000001 >= horizon  # no last step of rounding errors
         length = horizon - t if landing else h
-        size = _try_step(work, length, motion, contact, state, tolerance, p, law)
+        rates = motion.accelerations, motion.powers
+        size = _try_step(work, length, rates, contact, state, tolerance, p, law)
         if not size <= 1.0:
             ratio = max(SHRINKING, SAFETY / sixth_root(size)) if size < inf else 0.5
             if _try_again(length * ratio, state, work):
@@ -329,7 +330,7 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
         lost = work.y[rigid.LOST_DAMPING], work.y[rigid.LOST_FRICTION]
         state.lost_damping, state.lost_friction = lost
         state.current_impact = work.joints[rigid.NOW].impact
-        if _too_deep(work, contact, motion, end, state, (impacts, events), p, law):
+        if _too_deep(work, contact, motion.joint, end, state, (impacts, events), p, law):
             return done, stepping.TOO_DEEP
         if event < 0:
             rigid.derive(work.y, contact, p, end, work.k)
@@ -343,16 +344,13 @@ def advance(state, work, p, law, tolerance, horizon, rows, impacts, events):
 
 @inner
 def _too_deep(work, contact, start, end, state, table, p, law):
-    """Follow the impact through a step; say if the ball went deeper than one clearance.
-
-    ``table`` has the impacts and their rows of output.
-    """
+    """Follow the impact through a step; say if the ball went deeper than one clearance."""
     impacts, events = table
     if not contact.closed:
         return False
     impact, joint = impacts[state.current_impact], end.joint
     row = events[state.current_impact, stepping.PEAK]
-    measure_peaks(impact, row, work, state, start.joint, contact, p, law)
+    measure_peaks(impact, row, work, state, start, contact, p, law)
     if not (joint.depth <= law.clearance and impact.peak_depth <= law.clearance):
         state.limit = law.clearance
         return True

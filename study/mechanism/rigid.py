@@ -194,8 +194,6 @@ def derive(y, contact, p, at, k):
         # l2 cp dphi' = de_y' + l1 st theta' dtheta - l1 ct dtheta' + l2 sp phi' dphi
         dp = (de.y - l1 * ct * dt) * per_reach
         dpsi = (de.y_rate + l1 * (st * omega * dt - ct * do)) * per_reach + lean * dp
-        dx = -l1 * st * dt - l2 * sp * dp - de.x
-        dspeed = -l1 * (ct * omega * dt + st * do) - l2 * (cp * psi * dp + sp * dpsi) - de.x_rate
         # joint: df = -dN n + dT t - (N t + T n) d(direction)
         dsliding = de.length * e.spin + e.length * de.spin + p.r1 * dpsi
         dnormal = forces.normal_by_depth * de.length + forces.normal_by_rate * de.rate
@@ -224,12 +222,16 @@ def derive(y, contact, p, at, k):
         dbeta = (p.a11 * dq2 - coupling * dq1) * inverse
         if p.steady > 0:
             dalpha, dbeta = 0.0, dq2 / p.a22
-        dslider = (on_slider.by_place * dx + on_slider.by_rate * dspeed - dfx) * per_mass
+        dpush = -dfx
+        if on_slider.by_place != 0 or on_slider.by_rate != 0:
+            dx, ds = -l1 * st * dt - l2 * sp * dp - de.x, cp * psi * dp + sp * dpsi
+            dspeed = -l1 * (ct * omega * dt + st * do) - l2 * ds - de.x_rate
+            dpush += on_slider.by_place * dx + on_slider.by_rate * dspeed
         # e''
         dex2 = (
             -l1 * (st * dalpha + ct * (alpha * dt + 2 * omega * do) - st * omega * omega * dt)
             - l2 * (sp * dbeta + cp * (beta * dp + 2 * psi * dpsi) - sp * psi * psi * dp)
-            - dslider
+            - dpush * per_mass
         )
         dey2 = l1 * (ct * dalpha - st * (alpha * dt + 2 * omega * do) - ct * omega * omega * dt)
         dey2 += l2 * (cp * dbeta - sp * (beta * dp + 2 * psi * dpsi) - cp * psi * psi * dp)
