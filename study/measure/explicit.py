@@ -49,7 +49,7 @@ def acceleration(y, contact, approach, p, law, work, out):
         sp = (y[EY] - p.l1 * st) / p.l2
         psi = (y[EY_RATE] - p.l1 * ct * y[OMEGA]) / (p.l2 * sqrt(1 - sp * sp))
         regime = friction_regime(r * spin + p.r1 * psi, p.v0, p.v1)
-    motion, _ = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
+    motion = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
     out[THETA], out[EX], out[EY] = motion.accelerations
     if closed:
         outward, across = out[EX] - r * spin * spin, r * out[EY] + 2 * rate * spin
@@ -153,7 +153,8 @@ def start_of(scene: Scene) -> NDArray[np.float64]:
 
     Raises ``ValueError`` for a scene with a constant speed.
     """
-    scene.has_none_of("crank_speed")
+    if scene.crank_speed is not None:
+        raise ValueError("crank_speed does not apply to explicit steps; remove it")
     places = scene.initial_crank_angle, *scene.initial_eccentricity
     return np.array([*places, scene.initial_crank_speed, 0.0, 0.0])
 

@@ -4,11 +4,9 @@
 loop, ``advance``. A simulation can therefore show its progress, and keeps what it has when it is
 interrupted. Each impact adds three output rows: at its start, largest force and end.
 
-Rigid links are `rigid`; `events` steps them: in contact the depth is a coordinate. Flexible links
-are `particles`, stepped explicitly, or `beams`, stepped implicitly. They start
-straight, with the velocities of rigid links (`frame`). At constant crank speed the
-crank's fixed end turns as given; the moment that this takes is an output. Its work is summed
-by the trapezoidal rule, so that the energy balance closes with order 2.
+Rigid links are `rigid`, which `events` steps. Flexible links are `particles`, stepped explicitly,
+or `beams`, stepped implicitly; they start straight, with the velocities of rigid links (`frame`).
+All models have the same `loads`, and the moment that holds a constant crank speed is an output.
 """
 
 from study.mechanism.law_in_scene import clearance_joint

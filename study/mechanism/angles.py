@@ -3,11 +3,8 @@
 Impacts are chaotic: each enlarges the rounding of those before it. Sines of the system's
 mathematical library differ in their last bit between processors. With them, impacts of an elastic
 joint differ by more than 1e-3 from the 69th on, and 309 come out instead of 320 (scene of the
-paper, rigid links, 0.2 s). No tolerance compares that. The bits of sums, products, quotients and
-square roots are the same, and nothing else is used here.
-
-The tolerance of impacts (``CHAOTIC`` in `study.dataset.compare`) is for BLAS and LAPACK, which
-round otherwise on each processor, and give the coefficients of fitted laws and the particles' step.
+paper, rigid links, 0.2 s). The bits of sums, products, quotients and square roots are the same, and
+nothing else is used here.
 """
 
 from math import factorial, pi, sqrt

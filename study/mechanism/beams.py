@@ -3,7 +3,16 @@
 Elements are Reissner's plane beam with two nodes and one integration point. Places and rotations
 are interpolated linearly in the fixed frame, so that the consistent mass is constant and rigid
 motion is free of strain. The shear compliance includes the residual bending flexibility (MacNeal
-1978), with which the nodal stiffness of a straight element is exact. Time is stepped by the
+1978), with which the nodal stiffness of a straight element is exact.
+
+With the unknowns q of all nodes and of the slider, the weak form is, for all dq that leave the held
+unknowns as they are,
+
+    dq . (M q'' + f(q, q')) = 0
+    dq . f = sum over elements of L (n d(stretch) + v d(slide) + m d(bend))  -  work of the weights
+             + N d(depth) - T d(slip)  -  loads on crank and slider
+
+where N and T are the normal and tangential force of the joint. Time is stepped by the
 generalised-alpha method (Chung & Hulbert 1993), with Newton's method on a banded matrix.
 """
 
@@ -11,34 +20,29 @@ from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
 from math import inf
-from typing import NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study.compiled import compiled
 from study.contact.forces import friction_regime, joint_forces
-from study.mechanism import stepping
+from study.mechanism import loads, stepping
 from study.mechanism.angles import direction, norm, sine_cosine
-from study.mechanism.frame import straight_links
-from study.mechanism.scene import Body, Scene
+from study.mechanism.frame import Array, Elements, straight_links
+from study.mechanism.scene import LINKS, Scene
 from study.mechanism.stepping import JointOutput
 
-SPECTRAL_RADIUS = 0.8
-"""At infinite frequency: the share that a step leaves of motions that it cannot follow."""
+SPECTRAL_RADIUS = 0.8  # share that a step leaves of motions of infinite frequency
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
 ALPHA_F = SPECTRAL_RADIUS / (SPECTRAL_RADIUS + 1)
-NEWTON_TOLERANCE = 1e-9
-"""Change at which Newton's method stops, relative to the clearance."""
+NEWTON_TOLERANCE = 1e-9  # change at which Newton's method stops, relative to the clearance
 BAND = 6  # unknowns of neighbouring nodes are at most this far apart
 NO_TANGENT = (0.0, 0.0)
-ANY = np.int64(3)  # friction regime: that of the sliding speed; from NumPy, as in `locating`
+ANY = np.int64(3)  # friction regime: that of the sliding speed; from NumPy, as in `events`
 PLACES, RATES, ACCELERATIONS, BEFORE = range(4)
 """Rows of a motion: places and rotations, their rates, the method's accelerations, and those one
 step before."""
 STRETCH, SLIDE, BEND = range(3)  # strains of an element
 X1, Y1, TURN1, X2, Y2, TURN2 = range(6)  # unknowns of an element
-X, Y, TURN = range(3)  # unknowns of the contact
 CRANK = 2  # number of the rotation at the crank's fixed end
 SECTION = np.dtype(
     [(name, float) for name in ("length", "axial", "shear", "bending", "mass", "rotary")]
@@ -46,29 +50,20 @@ SECTION = np.dtype(
 """An element: its length, stiffnesses, and mass and rotary inertia per length."""
 Ball = namedtuple("Ball", "x y turn slider")
 """Numbers of the unknowns of the ball, and of the slider's position."""
-System = namedtuple("System", "sections unknowns ball pin held mass load initial rates ideal")
-"""Elements of both links on +x, their unknowns numbered along the chain, mass and load.
+Mesh = namedtuple("Mesh", "sections unknowns ball pin held mass weight initial rates ideal")
+"""Elements of both links, with their unknowns numbered along the chain.
 
 ``sections`` has a `SECTION` for each element, ``unknowns`` the numbers of (x, y, rotation) at both
 of its ends; ``pin`` is the number of the pin's x, and ``held`` those of unknowns whose rate is
-given. In ``mass``, a band, column `BAND` is the diagonal. ``initial`` and ``rates`` are those at
-t = 0."""
+given. Column `BAND` of ``mass`` is its diagonal. ``initial`` and ``rates`` are those at t = 0."""
+BeamJoint = namedtuple("BeamJoint", "output rate sliding elastic")
+"""Joint between beams: its `JointOutput`, the rate of its depth, its sliding speed, and the elastic
+part of its normal force."""
+NO_JOINT = BeamJoint(JointOutput(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
 
 
-class Contact(NamedTuple):
-    """What a row of output has of the joint, its rates, and the elastic part of its force."""
-
-    output: JointOutput
-    rate: float
-    sliding: float
-    elastic: float
-
-
-NO_CONTACT = Contact(JointOutput(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
-
-
-def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
-    """System with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
+def assemble(scene: Scene, elements: Elements, ideal: bool) -> Mesh:
+    """Mesh with numbers of elements of crank and coupler; an ideal joint fixes ball to slider."""
     places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
     (pin, _), nodes = elements, np.arange(len(places))
     x = 3 * nodes + (nodes > pin)  # x, y and rotation of each node, and a second one of the pin
@@ -85,22 +80,25 @@ def assemble(scene: Scene, elements: tuple[int, int], ideal: bool) -> System:
     if scene.crank_speed is not None:
         held.append(CRANK)
     rows = []
-    for body, n in zip(get_args(Body), elements, strict=True):
+    for body, n in zip(LINKS, elements, strict=True):
         link = scene.link(body)
         length = link.length / n
         shear = 1 / (1 / link.shear + length**2 / (12 * link.bending))
         masses = link.mass_per_length, link.rotary_per_length
         rows += [(length, link.axial, shear, link.bending, *masses)] * n
-    sections, unknowns = np.array(rows, SECTION), np.column_stack([*near, *far])
-    mass, load = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
+    sections, unknowns = np.array(rows, SECTION).view(np.recarray), np.column_stack([*near, *far])
+    mass, weight = _mass_and_weight(sections, unknowns, len(initial), scene.gravity)
     mass[ball.slider, BAND] += scene.slider_mass
-    load[CRANK] = 0.0 if scene.crank_speed is not None else scene.driving_moment
     numbers = unknowns, ball, int(x[pin]), np.array(held)
-    return System(sections, *numbers, mass, load, initial, speeds, ideal)
+    return Mesh(sections, *numbers, mass, weight, initial, speeds, ideal)
 
 
 def _mass_and_weight(sections, unknowns, size, gravity):
-    """Consistent mass of the elements, a band, and their weights as loads on the nodes."""
+    """Consistent mass of the elements, a band, and their weights as loads on the nodes.
+
+    dq . M q'' is the integral of mass (x'' dx + y'' dy) + rotary turn'' d(turn) along the elements.
+    The product of two linear functions gives L/3 for one node, and L/6 for two.
+    """
     mass, load = np.zeros((size, 2 * BAND + 1)), np.zeros(size)
     for section, at in zip(sections, unknowns, strict=True):
         length = section["length"]
@@ -115,7 +113,14 @@ def _mass_and_weight(sections, unknowns, size, gravity):
 
 @compiled
 def _internal(q, sections, unknowns, force, matrix, factor):
-    """Add the forces, and ``factor`` times their tangent to ``matrix``; return the energy."""
+    """Add the forces, and ``factor`` times their tangent to ``matrix``; return the energy.
+
+    With ' the derivative along the element, and the rotation in its middle, the strains are
+    stretch = c x' + s y' - 1, slide = c y' - s x' and bend = turn'. Row by row, ``b`` has their
+    derivatives by the unknowns of the element, which have the forces L (n b + v b + m b). The
+    tangent is L (axial b b + shear b b + bending b b), and L n and L v times the second derivatives
+    of stretch and slide.
+    """
     energy, b, d = 0.0, np.zeros((3, 6)), np.zeros(6)
     for e in range(len(sections)):
         section, at = sections[e], unknowns[e]
@@ -152,48 +157,47 @@ def _internal(q, sections, unknowns, force, matrix, factor):
 
 
 @compiled
-def _contact(q, v, ball, contact, approach, regime, p, law):
-    """`Contact` of the joint, and derivatives of the forces on the ball and moment on the coupler.
+def _add_joint(q, v, ball, touching, approach, regime, p, law, force, matrix, tangent):
+    """Add the forces of the joint, and their tangent, as in `_forces`; return the `BeamJoint`.
 
-    These are by eccentricity and rotation, and by their rates: two 3x3 blocks.
+    A motion dq of (ball's x, y and rotation, slider) changes the depth by along . dq, and the
+    surfaces slip by slip . dq. The forces are N along - T slip. When the normal turns by the angle
+    turned . dq, along becomes along + across, and slip becomes slip - along, both times the angle.
     """
-    stiff, damp = np.zeros((3, 3)), np.zeros((3, 3))
     ex, ey = q[ball.x] - q[ball.slider], q[ball.y]
-    wx, wy, spin = v[ball.x] - v[ball.slider], v[ball.y], v[ball.turn]
-    r = norm(ex, ey)
+    wx, wy, r = v[ball.x] - v[ball.slider], v[ball.y], norm(ex, ey)
     depth = r - law.clearance
     nx, ny = (ex / r, ey / r) if r > 0 else (1.0, 0.0)
     tx, ty = -ny, nx
-    rate, across = wx * nx + wy * ny, wx * tx + wy * ty
-    sliding = across + p.r1 * spin
-    if not contact or depth <= 0:
-        free = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
-        return Contact(free, rate, sliding, 0.0), stiff, damp
+    rate, sideways = wx * nx + wy * ny, wx * tx + wy * ty
+    sliding = sideways + p.r1 * v[ball.turn]
+    if not touching or depth <= 0:
+        return BeamJoint(JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0), rate, sliding, 0.0)
     if regime == ANY:
         regime = friction_regime(sliding, p.v0, p.v1)
-    forces = joint_forces(
-        law, depth, rate, sliding, regime, approach, p.damping, p.friction, p.v0, p.v1
-    )
-    normal, tangential, steep = forces.normal, forces.tangential, forces.tangential_by_sliding
-    for j in (X, Y):
-        n_j, t_j = (nx, tx) if j == X else (ny, ty)
-        bend = t_j / r  # dn = bend t, dt = -bend n
-        dnormal = forces.normal_by_depth * n_j + forces.normal_by_rate * across * bend
-        dtangential = forces.tangential_by_normal * dnormal - steep * rate * bend
-        dn, dt = -dnormal - tangential * bend, dtangential - normal * bend
-        stiff[X, j], stiff[Y, j] = dn * nx + dt * tx, dn * ny + dt * ty
-        stiff[TURN, j] = p.r1 * dtangential
-        dnormal = forces.normal_by_rate * n_j
-        dtangential = forces.tangential_by_normal * dnormal + steep * t_j
-        damp[X, j] = -dnormal * nx + dtangential * tx
-        damp[Y, j] = -dnormal * ny + dtangential * ty
-        damp[TURN, j] = p.r1 * dtangential
-    dtangential = steep * p.r1
-    damp[X, TURN], damp[Y, TURN] = dtangential * tx, dtangential * ty
-    damp[TURN, TURN] = p.r1 * dtangential
+    speeds = rate, sliding, regime, approach
+    forces = joint_forces(law, depth, *speeds, p.damping, p.friction, p.v0, p.v1)
+    normal, tangential = forces.normal, forces.tangential
+    at = ball.x, ball.y, ball.turn, ball.slider
+    along, across, slip = (nx, ny, 0.0, -nx), (tx, ty, 0.0, -tx), (tx, ty, p.r1, -tx)
+    by_q, by_v = tangent
+    for i in range(4):
+        force[at[i]] += normal * along[i] - tangential * slip[i]
+    for j in range(4 if by_q != 0 else 0):
+        turned = by_q * across[j] / r
+        drate = by_v * along[j] + sideways * turned
+        dsliding = by_v * slip[j] - rate * turned
+        dnormal = forces.normal_by_depth * by_q * along[j] + forces.normal_by_rate * drate
+        dtangential = (
+            forces.tangential_by_normal * dnormal + forces.tangential_by_sliding * dsliding
+        )
+        for i in range(4):
+            change = dnormal * along[i] - dtangential * slip[i]
+            change += (normal * across[i] + tangential * along[i]) * turned
+            matrix[at[i], BAND + at[j] - at[i]] += change
     fx, fy = normal * nx - tangential * tx, normal * ny - tangential * ty
     output = JointOutput(ex, ey, depth, normal, tangential, fx, fy)
-    return Contact(output, rate, sliding, forces.elastic), stiff, damp
+    return BeamJoint(output, rate, sliding, forces.elastic)
 
 
 @compiled
@@ -222,31 +226,26 @@ def _solve(matrix, right):
 
 
 @compiled
-def _forces(q, v, system, state, regime, p, law, force, matrix, tangent):
-    """Fill ``force`` with internal, contact and load forces; return strain energy and `Contact`.
+def _forces(q, v, mesh, state, regime, p, law, force, matrix, tangent):
+    """Fill ``force`` with f(q, v) of M a + f = 0; return strain energy and `BeamJoint`.
 
-    Derivatives by places and rates, times the factors ``tangent``, are added to ``matrix``.
+    The derivatives by places and rates, times the two factors ``tangent``, are added to ``matrix``.
+    A load F on an unknown contributes -F.
     """
-    ball, (by_q, by_v) = system.ball, tangent
+    ball, (by_q, by_v) = mesh.ball, tangent
     for i in range(len(force)):
-        force[i] = -system.load[i]
-    energy = _internal(q, system.sections, system.unknowns, force, matrix, by_q)
-    if system.ideal:
-        return energy, NO_CONTACT
-    contact, stiff, damp = _contact(q, v, ball, state.contact, state.approach, regime, p, law)
-    joint = contact.output
-    if joint.normal != 0 or contact.elastic != 0:
-        force[ball.x] += joint.force_x
-        force[ball.y] += joint.force_y
-        force[ball.turn] -= p.r1 * joint.tangential
-        force[ball.slider] -= joint.force_x
-        at, of = (ball.x, ball.y, ball.turn, ball.slider), (X, Y, TURN, X)
-        for i in range(4 if by_q != 0 else 0):
-            for j in range(4):
-                sign = (-1.0 if i == 3 else 1.0) * (-1.0 if j == 3 else 1.0)  # of the slider
-                value = by_q * stiff[of[i], of[j]] + by_v * damp[of[i], of[j]]
-                matrix[at[i], BAND + at[j] - at[i]] -= sign * value
-    return energy, contact
+        force[i] = -mesh.weight[i]
+    on_crank = loads.on_crank(p, q[CRANK], v[CRANK])
+    on_slider = loads.on_slider(p, q[ball.slider], v[ball.slider])
+    for i, load in ((CRANK, on_crank), (ball.slider, on_slider)):
+        force[i] -= load.value
+        matrix[i, BAND] -= by_q * load.by_place + by_v * load.by_rate
+    energy = _internal(q, mesh.sections, mesh.unknowns, force, matrix, by_q)
+    if mesh.ideal:
+        return energy, NO_JOINT
+    touching, approach = state.contact, state.approach
+    joint = _add_joint(q, v, ball, touching, approach, regime, p, law, force, matrix, tangent)
+    return energy, joint
 
 
 @compiled
@@ -267,13 +266,13 @@ def _meet(gap0, rate0, gap1, rate1, h):
 
 
 @compiled
-def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
+def _newton(motion, new, mesh, state, sliding, p, law, h, tolerance, old, work):
     """Fill ``new`` with places, rates and accelerations after a step; False for no balance.
 
     ``old`` are the forces before. An iteration takes one friction regime, and the next one that
     regime or a neighbour: free to jump, it would alternate between the law's ends.
     """
-    (force, right, matrix), size, ball = work, motion.shape[1], system.ball
+    (force, right, matrix), size, ball = work, motion.shape[1], mesh.ball
     q, v, a = motion[PLACES], motion[RATES], motion[ACCELERATIONS]
     q1, v1, a1 = new[PLACES], new[RATES], new[ACCELERATIONS]
     gamma = 0.5 - ALPHA_M + ALPHA_F
@@ -284,18 +283,18 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
         a1[i] = a[i]
         v1[i] = v[i] + h * a[i]
         q1[i] = q[i] + h * v[i] + 0.5 * h * h * a[i]
-    regime = 0 if system.ideal else friction_regime(sliding, p.v0, p.v1)
+    regime = 0 if mesh.ideal else friction_regime(sliding, p.v0, p.v1)
     for _ in range(60):
         for i in range(size):
             for j in range(2 * BAND + 1):
-                matrix[i, j] = by_a * system.mass[i, j]
-        _forces(q1, v1, system, state, regime, p, law, force, matrix, (by_q, by_v))
+                matrix[i, j] = by_a * mesh.mass[i, j]
+        _forces(q1, v1, mesh, state, regime, p, law, force, matrix, (by_q, by_v))
         for i in range(size):
             right[i] = -(1 - ALPHA_F) * force[i] - ALPHA_F * old[i]
             for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
                 share = (1 - ALPHA_M) * a1[j] + ALPHA_M * a[j]
-                right[i] -= system.mass[i, BAND + j - i] * share
-        _hold(system.held, matrix, right)
+                right[i] -= mesh.mass[i, BAND + j - i] * share
+        _hold(mesh.held, matrix, right)
         _solve(matrix, right)
         change = total = 0.0
         for i in range(size):
@@ -317,58 +316,36 @@ def _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work
 
 
 @compiled
-def _copy(source, target):
-    """Copy numbers: an assignment of arrays takes seconds to compile."""
-    for i in range(len(source)):
-        target[i] = source[i]
-
-
-@compiled
-def _follow_contact(state, impacts, before, after, h):
-    """Add what a step in contact loses; say if its force is the largest so far, and if it ended."""
-    for contact in (before, after):
-        joint = contact.output
-        state.lost_damping += 0.5 * h * ((joint.normal - contact.elastic) * contact.rate)
-        state.lost_friction -= 0.5 * h * joint.tangential * contact.sliding
-    largest = stepping.follow_impact(impacts, state, after.output.normal, after.output.depth)
-    ended = after.output.depth <= 0
-    if ended:
-        stepping.end_impact(impacts, state, -after.rate)
-    return largest, ended
-
-
-@compiled
-def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
+def advance(state, motion, mesh, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
     size, done = motion.shape[1], 0
     new, old, force, right = np.zeros((3, size)), np.zeros(size), np.zeros(size), np.zeros(size)
     matrix = np.zeros((size, 2 * BAND + 1))
     work = force, right, matrix
     strain, joint = _forces(
-        motion[PLACES], motion[RATES], system, state, ANY, p, law, old, matrix, NO_TANGENT
+        motion[PLACES], motion[RATES], mesh, state, ANY, p, law, old, matrix, NO_TANGENT
     )
-    if p.steady and state.steps == 0:
-        moment = _reaction(CRANK, old, motion, system.mass)
-        stepping.add_drive_work(state, moment, motion[RATES, CRANK], 0.0)
-    far = abs(system.initial[system.ball.slider])  # of the start: a loop may begin at any step
+    if state.steps == 0:
+        _add_work(state, old, motion, mesh, p, 0.0)
+    far = abs(mesh.initial[mesh.ball.slider])  # of the start: a loop may begin at any step
     tolerance = NEWTON_TOLERANCE * law.clearance + 1e-13 * far
     while True:
         if state.impacts == len(impacts):
             return done, stepping.FULL
         t = state.time = state.steps * h
         if state.steps % strides == 0:
-            _write_output(rows[done], state, motion, old, system, joint.output, strain, p)
+            _write_output(rows[done], state, motion, old, mesh, joint.output, strain, p)
             done += 1
         begun = largest = ended = False
         while True:  # twice if the surfaces meet in this step
             sliding = joint.sliding
-            if not _newton(motion, new, system, state, sliding, p, law, h, tolerance, old, work):
+            if not _newton(motion, new, mesh, state, sliding, p, law, h, tolerance, old, work):
                 return done, stepping.FAILED
             strain, new_joint = _forces(
-                new[PLACES], new[RATES], system, state, ANY, p, law, force, matrix, NO_TANGENT
+                new[PLACES], new[RATES], mesh, state, ANY, p, law, force, matrix, NO_TANGENT
             )
             depth = new_joint.output.depth
-            if system.ideal or state.contact or depth <= 0:
+            if mesh.ideal or state.contact or depth <= 0:
                 break
             after, approach = _meet(joint.output.depth, joint.rate, depth, new_joint.rate, h)
             stepping.begin_impact(impacts, state, t + after, approach)
@@ -379,19 +356,25 @@ def advance(state, motion, system, p, law, h, strides, rows, impacts, events):
             if not depth <= p.clearance:
                 state.limit = p.clearance
                 return done, stepping.TOO_DEEP
-            largest, ended = _follow_contact(state, impacts, joint, new_joint, h)
-        _copy(motion[ACCELERATIONS], motion[BEFORE])
-        for row in (PLACES, RATES, ACCELERATIONS):
-            _copy(new[row], motion[row])
-        _copy(force, old)
+            for at in (joint, new_joint):
+                lost = (at.output.normal - at.elastic) * at.rate
+                state.lost_damping += 0.5 * h * lost
+                state.lost_friction -= 0.5 * h * at.output.tangential * at.sliding
+            force_now = new_joint.output.normal
+            largest = stepping.follow_impact(impacts, state, force_now, depth)
+            ended = depth <= 0
+            if ended:
+                stepping.end_impact(impacts, state, -new_joint.rate)
+        for i in range(size):  # an assignment of arrays takes seconds to compile
+            motion[BEFORE, i], old[i] = motion[ACCELERATIONS, i], force[i]
+            for row in (PLACES, RATES, ACCELERATIONS):
+                motion[row, i] = new[row, i]
         joint = new_joint
-        if p.steady:
-            moment = _reaction(CRANK, old, motion, system.mass)
-            stepping.add_drive_work(state, moment, motion[RATES, CRANK], h)
+        _add_work(state, old, motion, mesh, p, h)
         for event, happened in enumerate((begun, largest, ended)):
             if happened:
                 row = stepping.event_row(events, state, event)
-                _write_output(row, state, motion, old, system, joint.output, strain, p)
+                _write_output(row, state, motion, old, mesh, joint.output, strain, p)
         if done == len(rows) or state.steps >= state.until:
             return done, stepping.FINE
 
@@ -414,23 +397,36 @@ def _reaction(i, force, motion, mass):
 
 
 @compiled
-def _write_output(row, state, motion, force, system, joint, strain, p):
+def _add_work(state, force, motion, mesh, p, h):
+    """Add the work of the loads in a step, which ends with ``motion`` and ``force``."""
+    q, v = motion[PLACES], motion[RATES]
+    if p.steady:
+        state.holding = _reaction(CRANK, force, motion, mesh.mass)
+    slider = mesh.ball.slider
+    power = state.holding * v[CRANK] + loads.on_crank(p, q[CRANK], v[CRANK]).power
+    stepping.add_work(state, power + loads.on_slider(p, q[slider], v[slider]).power, h)
+
+
+@compiled
+def _write_output(row, state, motion, force, mesh, joint, strain, p):
     """Fill a row of output from motion and joint at the state's time."""
-    q, v, ball, pin = motion[PLACES], motion[RATES], system.ball, system.pin
-    size, kinetic, work = len(q), 0.0, state.drive_work
+    q, v, ball, pin = motion[PLACES], motion[RATES], mesh.ball, mesh.pin
+    on_slider = loads.on_slider(p, q[ball.slider], v[ball.slider])
+    work = state.work - loads.on_crank(p, q[CRANK], v[CRANK]).energy - on_slider.energy
+    size, kinetic = len(q), 0.0
     for i in range(size):
-        work += system.load[i] * q[i]
+        work += mesh.weight[i] * q[i]
         for j in range(max(0, i - BAND), min(size, i + BAND + 1)):
-            kinetic += 0.5 * v[i] * system.mass[i, BAND + j - i] * v[j]
-    if system.ideal:
-        fx = p.m3 * _true_acceleration(motion, ball.x)
-        fy = -_reaction(ball.y, force, motion, system.mass)
+            kinetic += 0.5 * v[i] * mesh.mass[i, BAND + j - i] * v[j]
+    if mesh.ideal:
+        fx = p.m3 * _true_acceleration(motion, ball.x) - on_slider.value
+        fy = -_reaction(ball.y, force, motion, mesh.mass)
         joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
     row.crank_angle, row.crank_speed = q[CRANK], v[CRANK]
     row.crank_acceleration = _true_acceleration(motion, CRANK)
-    row.driving_moment = p.moment + state.drive_moment
+    row.driving_moment = p.moment + state.holding
     row.slider_position, row.slider_velocity = q[ball.slider], v[ball.slider]
-    row.slider_acceleration = joint.force_x / p.m3
+    row.slider_acceleration = (joint.force_x + on_slider.value) / p.m3
     row.coupler_angle = direction(q[ball.y] - q[pin + 1], q[ball.x] - q[pin])
     row.coupler_speed = v[ball.turn]
     row.work, row.kinetic, row.elastic = work, kinetic, strain
@@ -438,14 +434,16 @@ def _write_output(row, state, motion, force, system, joint, strain, p):
     stepping.write_joint(row, joint)
 
 
-def _start(system):
+def _start(mesh, p):
     """Places, rates and accelerations at t = 0, in the rows of ``advance``'s ``motion``.
 
     Rotations without inertia follow the load at once, unless held.
     """
-    sections, unknowns, held = system.sections, system.unknowns, system.held
-    mass, load = system.mass, system.load
-    motion = np.array([system.initial, system.rates, 0 * load, 0 * load])
+    sections, unknowns, held = mesh.sections, mesh.unknowns, mesh.held
+    mass, load, slider = mesh.mass, mesh.weight.copy(), mesh.ball.slider
+    motion = np.array([mesh.initial, mesh.rates, 0 * load, 0 * load])
+    load[CRANK] += loads.on_crank(p, mesh.initial[CRANK], mesh.rates[CRANK]).value
+    load[slider] += loads.on_slider(p, mesh.initial[slider], mesh.rates[slider]).value
     force, stiffness = -load, np.zeros_like(mass)
     _internal(motion[PLACES], sections, unknowns, force, stiffness, 1.0)
     light = mass[:, BAND] == 0
@@ -466,18 +464,13 @@ def _solution(matrix, right, held):
 
 
 def blocks(
-    scene: Scene,
-    law: np.record,
-    times: NDArray[np.float64],
-    ideal: bool,
-    step: float,
-    elements: tuple[int, int],
+    scene: Scene, law: np.record, times: Array, ideal: bool, step: float, elements: Elements
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows of the scene with links of beam elements, as for particles."""
-    system, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()
+    mesh, p, state = assemble(scene, elements, ideal), scene.constants(), stepping.new_state()
     strides, h = stepping.divide(times, step)
-    motion, state.step = _start(system), h
-    loop = partial(advance, state, motion, system, p, law, h, strides)
+    motion, state.step = _start(mesh, p), h
+    loop = partial(advance, state, motion, mesh, p, law, h, strides)
     return stepping.advance_in_blocks(
         loop, times, state, "Newton's method found no balance, for which a shorter step may help"
     )

@@ -1,6 +1,6 @@
 """One step of collocation at Radau's points, for compiled loops: of order 9, for stiff equations.
 
-It solves z'' = f(z, z') with n unknowns, and n integrals whose rates depend on z and z' alone. A
+It solves z'' = f(z, z') with n unknowns, and integrals whose rates depend on z and z' alone. A
 state is (z, z', integrals). A step works on one record, of `fields`.
 
 A step's accelerations are a polynomial in time that meets the equations at the five points of
@@ -15,17 +15,16 @@ The rule's constants are in ``radau.toml``.
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from study.compiled import compiled, inlined
 
 STAGES = 5
+"""Points of a step; the error estimate grows with the power 6 of the step, hence sixth roots."""
 PAIRS = STAGES // 2
 AT_START = 0  # row of the rates at a step's start, before those at its points
-"""The error estimate grows with the power `STAGES` + 1 of the step, hence the sixth roots."""
-
-
 _RULE = tomllib.loads(Path(__file__).with_name("radau.toml").read_text(encoding="utf-8"))
 
 
@@ -48,22 +47,22 @@ SHARES = 1 / np.arange(1.0, STAGES + 3)
 """Factor of the power x^i in its integral, whose power is one higher."""
 
 
-def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
+def fields(unknowns: int, integrals: int) -> list[tuple[Any, ...]]:
     """Names, types and shapes of what a step works on.
 
-    ``start`` and ``y`` are the states at the step's start and end. ``rates`` has a row of
-    accelerations and integrals' rates at the start and at each point, ``polynomial`` a row of their
-    coefficients for each power of time. ``k`` has the derivatives of f by (z, z') at the start.
-    ``error`` and ``weights`` are those of (z, z'). The rest is for Newton's method.
+    ``start`` and ``y`` are the states at the step's start and end. ``rates`` has accelerations and
+    integrals' rates at the start and at each point, ``polynomial`` their coefficients for each
+    power of time, and ``k`` the derivatives of f by (z, z') at the start. ``error`` and ``weights``
+    are those of (z, z'). The rest is for Newton's method.
     """
     n = unknowns
     return [
-        *((name, float, (3 * n,)) for name in ("y", "start", "trial")),
-        *((name, float, (1 + STAGES, 2 * n)) for name in ("rates", "polynomial")),
+        *((name, float, (2 * n + integrals,)) for name in ("y", "start", "trial")),
+        *((name, float, (1 + STAGES, n + integrals)) for name in ("rates", "polynomial")),
         ("k", float, (n, 2 * n)),
         *((name, float, (2 * n,)) for name in ("error", "weights")),
         ("residuals", float, (STAGES, n)),
-        ("real", float, (n, n)),
+        ("single", float, (n, n)),
         ("pairs", complex, (PAIRS, n, n)),
         ("x", float, (n,)),
         ("z", complex, (PAIRS, n)),
@@ -73,7 +72,7 @@ def fields(unknowns: int) -> list[tuple[str, type, tuple[int, ...]]]:
 @compiled
 def factorise(work, h):
     """Triangular factors of Newton's systems, for each eigenvalue of Radau's matrix."""
-    _factorise(work.real, work.k, h * REAL)
+    _factorise(work.single, work.k, h * REAL)
     for q in range(PAIRS):
         _factorise(work.pairs[q], work.k, h * COMPLEX[q])
 
@@ -143,7 +142,7 @@ def improve(work, h):
         x[m] = 0.0
         for j in range(STAGES):
             x[m] += REAL_INVERSE[j] * residuals[j, m]
-    _solve(work.real, x)
+    _solve(work.single, x)
     for q in range(PAIRS):
         for m in range(n):
             z[q, m] = 0.0
@@ -168,14 +167,15 @@ def finish(work, h):
     """Fill ``y`` with the state at the step's end, and ``polynomial``."""
     start, rates, n = work.start, work.rates, len(work.x)
     stage(STAGES - 1, work, h)
-    for m in range(n):
+    for m in range(2 * n):
+        work.y[m] = work.trial[m]
+    for m in range(2 * n, len(start)):
         integral = 0.0
         for j in range(STAGES):
-            integral += RATE[STAGES - 1, j] * rates[1 + j, n + m]
-        work.y[m], work.y[n + m] = work.trial[m], work.trial[n + m]
-        work.y[2 * n + m] = start[2 * n + m] + h * integral
+            integral += RATE[STAGES - 1, j] * rates[1 + j, m - n]
+        work.y[m] = start[m] + h * integral
     for i in range(1 + STAGES):
-        for m in range(2 * n):
+        for m in range(len(start) - n):
             total = 0.0
             for j in range(1 + STAGES):
                 total += MONOMIALS[i, j] * rates[j, m]
@@ -195,7 +195,7 @@ def estimate(work, h):
     for m in range(n):
         for j in range(n):
             work.x[m] += g * k[m, j] * error[j]
-    _solve(work.real, work.x)
+    _solve(work.single, work.x)
     for m in range(n):
         error[n + m] = work.x[m]
         error[m] += g * work.x[m]
@@ -230,7 +230,7 @@ def guess(work, share, ratio):
 def inside(work, h, x):
     """Fill ``trial`` with the state at the share ``x`` of the step, integrals too."""
     start, n = work.start, len(work.x)
-    for m in range(2 * n):
+    for m in range(len(start) - n):
         speed = place = 0.0
         for i in range(STAGES, -1, -1):
             share = work.polynomial[i, m] * SHARES[i]

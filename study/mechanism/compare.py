@@ -10,34 +10,24 @@ from study import checks
 from study.mechanism.response import Response
 from study.mechanism.simulate import LEAST_TOLERANCE
 
-SAME = 0.01
-"""Clearances: two eccentricities that differ by less are the same motion."""
+SAME = 0.01  # clearances: two eccentricities that differ by less are the same motion
 FINER = 100  # times, the tolerance of a second run
 
 
 class Agreement(NamedTuple):
-    """How long two responses are one motion.
-
-    Attributes
-    ----------
-    until
-        Last time of output, in s, up to which both have the same eccentricity (`SAME`).
-    lasts
-        Whether that is to the end.
-    largest_distance
-        Between these eccentricities until then, in clearances.
-    impacts
-        Numbers of impacts that begin until then, in each response.
-    force_difference
-        Largest relative difference of normal forces until then: of the peaks of impacts that have
-        ended, and at the times of output, over the largest force.
-    """
+    """How long two responses are one motion."""
 
     until: float
+    """Last output time in s up to which both have the same eccentricity (`SAME`)."""
     lasts: bool
+    """Whether that is to the end."""
     largest_distance: float
+    """Between these eccentricities until then, in clearances."""
     impacts: tuple[int, int]
+    """Numbers of impacts that begin until then, in each response."""
     force_difference: float
+    """Largest relative difference of normal forces until then: of the peaks of impacts that have
+    ended, and at the output times, over the largest force."""
 
 
 def agreement(first: Response, second: Response) -> Agreement:
@@ -53,9 +43,8 @@ def agreement(first: Response, second: Response) -> Agreement:
         distance /= first.law.clearance
     count = int(np.append(distance <= SAME, False).argmin())
     until = float(first.time[count - 1])
-    both = first.impact_rows, second.impact_rows
-    of_first, of_second = (int(np.count_nonzero(rows["time"] <= until)) for rows in both)
-    peaks = []
+    both, peaks = (first.impact_rows, second.impact_rows), []
+    begun, begun_too = (int(np.count_nonzero(rows["time"] <= until)) for rows in both)
     for rows in both:
         ended = rows["time"] + rows["duration"] <= until
         peaks.append(rows["peak_force"][ended & np.isfinite(rows["separation_speed"])])
@@ -64,20 +53,15 @@ def agreement(first: Response, second: Response) -> Agreement:
     force, other = (r.rows["normal_force"][:count] for r in (first, second))
     if force.any():
         changes.append(np.abs(force - other).max() / np.abs(force).max())
-    return Agreement(
-        until=until,
-        lasts=count == len(first.time),
-        largest_distance=float(distance[:count].max()),
-        impacts=(of_first, of_second),
-        force_difference=float(max(changes, default=0.0)),
-    )
+    lasts, farthest = count == len(first.time), float(distance[:count].max())
+    return Agreement(until, lasts, farthest, (begun, begun_too), float(max(changes, default=0.0)))
 
 
 def second_run(response: Response, run: Callable[..., Response]) -> Agreement | None:
-    """How long a second run, at another tolerance, is the same motion: how far to trust a response.
+    """How long a run at another tolerance is the same motion: how far to trust a response.
 
-    ``run`` simulates the same again at the ``tolerance`` that it is given. None for a model without
-    a tolerance, or after an interruption. Ctrl-C in the second run is a ``KeyboardInterrupt``.
+    ``run`` simulates the same again at a given ``tolerance``. None for a model without one, or
+    after an interruption. Ctrl-C in the second run is a ``KeyboardInterrupt``.
     """
     tolerance = response.tolerance
     if tolerance is None or not response.complete:
@@ -90,9 +74,7 @@ def second_run(response: Response, run: Callable[..., Response]) -> Agreement | 
 
 
 def normalised_rms(reference: ArrayLike, values: ArrayLike) -> float:
-    """RMS difference of two series of numbers, divided by the RMS change of the reference.
-
-    The change is that since the first number.
+    """RMS difference of two series, divided by the RMS change of the reference since its start.
 
     Raises `study.checks.RangeError` if the reference does not change.
     """
@@ -106,19 +88,13 @@ def normalised_rms(reference: ArrayLike, values: ArrayLike) -> float:
 
 
 def motion_nrms(reference: Response, response: Response, column: str) -> float:
-    """`normalised_rms` of one column of two responses, such as ``slider_position``.
-
-    Raises ``ValueError`` if the times differ.
-    """
+    """`normalised_rms` of one column of two responses at the same times."""
     same_times(reference=reference, response=response)
     return normalised_rms(reference.rows[column], response.rows[column])
 
 
 def phase_lead(response: Response, ideal: Response) -> NDArray[np.float64]:
-    """Phase lead of the crank over the ideal mechanism's, as time in s, at each output.
-
-    Negative for a lag, 0 where the ideal one rests.
-    """
+    """Phase lead of the crank over the ideal one's in s; < 0 for a lag, 0 where that one rests."""
     same_times(response=response, ideal=ideal)
     ahead, speed = response.crank_angle - ideal.crank_angle, ideal.crank_speed
     return np.divide(ahead, speed, out=np.zeros_like(ahead), where=speed != 0)

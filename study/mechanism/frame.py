@@ -1,7 +1,6 @@
-"""The frame of crank and coupler as particles with frame elements between them, laid out on +x.
+"""The frame of crank and coupler as particles with elements between them, which `particles` steps.
 
-It has the lumped masses of both links, the stiffnesses of their elements, and the highest natural
-frequency, which limits an explicit step. `particles` steps it.
+Its highest natural frequency limits an explicit step.
 """
 
 from math import sqrt
@@ -13,20 +12,21 @@ from study.mechanism.angles import arcsine, sine_cosine
 from study.mechanism.scene import Link, Scene
 from study.threads import one_thread
 
+Array = NDArray[np.float64]
+Elements = tuple[int, int]  # numbers of elements of crank and coupler
 ELEMENT = np.dtype([(name, float) for name in ("length", "axial", "near", "far")])
 """Length (m), axial stiffness (N/m), and bending stiffnesses (N m) of an element: the moment at an
 end by the rotations of the near and of the far end."""
 
 
-def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def lump(link: Link, elements: int) -> tuple[Array, Array]:
     """Particles of one link: masses in kg, rotary inertias of the half elements at each in kg m^2.
 
     With two or more elements, a part of each end's mass goes to its neighbour. Mass, centre and
     moment of inertia of the link are then exact: stiff links move as rigid ones, with any number of
     elements. A single element has its mass at its ends, and too much inertia.
     """
-    length = link.length / elements
-    halves = np.full(elements + 1, 2.0)
+    length, halves = link.length / elements, np.full(elements + 1, 2.0)
     halves[[0, -1]] = 1.0
     masses = halves / 2
     if elements > 1:
@@ -38,9 +38,7 @@ def lump(link: Link, elements: int) -> tuple[NDArray[np.float64], NDArray[np.flo
     return link.mass_per_length * length * masses, rotary * halves
 
 
-def straight_links(
-    scene: Scene, elements: tuple[int, int], ideal: bool
-) -> tuple[NDArray[np.float64], ...]:
+def straight_links(scene: Scene, elements: Elements, ideal: bool) -> tuple[Array, ...]:
     """Straight links at t = 0, divided into elements, with the ball at rest in its socket.
 
     Returns places and rates, with a row (x, y) for each end of an element; rotations, of which the
@@ -70,7 +68,7 @@ class Frame:
     ball. The pin has two rotations, one for each link.
     """
 
-    def __init__(self, scene: Scene, elements: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, elements: Elements) -> None:
         links, rows = (scene.link("crank"), scene.link("coupler")), []
         for link, n in zip(links, elements, strict=True):
             length = link.length / n

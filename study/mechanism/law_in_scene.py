@@ -12,8 +12,7 @@ from study.joint import Joint
 from study.mechanism.scene import Scene
 
 SAME = 1e-6  # relative difference of the sizes and materials of a law and of a scene
-LAW = "stiffened_hertz"
-"""Default law of a simulation."""
+LAW = "stiffened_hertz"  # default of a simulation
 
 
 def clearance_joint(
@@ -23,10 +22,10 @@ def clearance_joint(
     socket_ratio: float | None = None,
     liner: tuple = (),
 ) -> Joint:
-    """The clearance joint of a scene, whose socket is held at its whole outside.
+    """The clearance joint of a scene, with a socket that is held at its whole outside.
 
-    The scene does not have the wall of the socket in m or, instead, the ratio of its radii, and its
-    liners. By default they are those of the reference joint: a ratio of 1.298, and no liner.
+    The wall of the socket in m, or the ratio of its radii, and its liners are no parameters of a
+    scene. By default they are those of the reference joint: a ratio of 1.298, and no liner.
     """
     if wall is not None and socket_ratio is not None:
         raise ValueError("wall and socket_ratio must not both be given; remove one of them")
@@ -51,10 +50,7 @@ def of_name(scene: Scene, law: str | None = None, **socket: Any) -> Any:
 
 
 def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
-    """A law of `simulate` in the clearance joint of the scene.
-
-    A law of another joint, or of other materials, than the scene's is a ``ValueError``.
-    """
+    """A law of `simulate` in the scene's joint; one of another joint is a ``ValueError``."""
     if isinstance(law, Joint):
         law = law.law()
     if isinstance(law, str) and LAWS[checks.choice("law", law, LAWS)].needs_joint:
@@ -67,12 +63,8 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
             _check_same("modulus_ratio", law.joint.modulus_ratio, ratio)
             _check_same("poisson", law.joint.ball.poisson, ball.poisson)
             _check_same("socket_poisson", law.joint.innermost.poisson, socket.poisson)
-        law = DimensionalLaw(
-            law,
-            ball_radius=scene.ball_radius,
-            socket_radius=scene.socket_radius,
-            composite_modulus=scene.composite_modulus,
-        )
+        sizes = {name: getattr(scene, name) for name in ("ball_radius", "socket_radius")}
+        law = DimensionalLaw(law, **sizes, composite_modulus=scene.composite_modulus)
     _check_same("socket radius in m", law.socket_radius, scene.socket_radius)
     _check_same("clearance in m", law.clearance, scene.clearance)
     # a liner has a modulus of its own, and a scene without materials takes those of the law
@@ -80,10 +72,8 @@ def in_scene(scene: Scene, law: Any) -> DimensionalLaw:
     if scene.materials not in (Scene().materials, bodies):
         _check_same("composite modulus E* in Pa", law.composite_modulus, scene.composite_modulus)
     if law.deepest < law.clearance * (1 - LIMIT_MARGIN):
-        raise checks.RangeError(
-            "law must be valid up to a depth of one clearance, but the law "
-            f"{law.name} is valid up to {law.deepest:.4g} m"
-        )
+        deep = f"but the law {law.name} is valid up to {law.deepest:.4g} m"
+        raise checks.RangeError(f"law must be valid up to a depth of one clearance, {deep}")
     return law
 
 

@@ -1,9 +1,9 @@
 """Links of particles, integrated explicitly: the finite particle method, as Yao et al. use it.
 
-Each particle has a mass and, per link, a rotary inertia; plane frame elements between them
-give internal forces, found after the element's rigid motion is taken off (vector form
-intrinsic finite element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by
-explicit central differences (Eq. 29).
+Each particle has a mass and, per link, a rotary inertia. Plane frame elements between them give
+internal forces, found after the element's rigid motion is taken off (vector form intrinsic finite
+element; Ting, Shih & Wang, J. Mech. 20 (2004), 113-122). Time is stepped by explicit central
+differences (Eq. 29).
 
 The joint's damping and friction take the centred velocity, and the step's forces are solved for.
 ``lagged`` takes the velocity half a step ago instead. Its step is also limited by the damping
@@ -14,18 +14,17 @@ D P/v0, which grows without bound in a sustained contact that began slowly. ``un
 from collections import namedtuple
 from collections.abc import Iterator
 from functools import partial
-from math import ceil, inf, pi, sqrt
+from math import ceil, hypot, inf, pi, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from study import checks
 from study.compiled import compiled
 from study.contact.forces import elastic_force, friction_factor, friction_regime, joint_forces
-from study.mechanism import stepping
+from study.mechanism import loads, stepping
 from study.mechanism.angles import angle_of, direction, norm
-from study.mechanism.frame import Frame, straight_links
+from study.mechanism.frame import Array, Elements, Frame, straight_links
 from study.mechanism.scene import Scene
 from study.mechanism.stepping import JointOutput
 
@@ -33,17 +32,13 @@ Method = Literal["centred", "lagged", "unguarded"]
 OWN = "gap", "gap_rate", "slider", "slider_speed"
 """Numbers of the state besides those of all models: the depth at the last step and its mean rate;
 position of the slider, and its speed half a step before."""
-
-LANES = 8
-"""Numbers in a processor's widest vector, to a multiple of which rows are filled with elements and
-particles that never move: loops over both are then compiled to vectors."""
-System = namedtuple("System", "elements bodies pin last frequency ideal lagged guarded")
+LANES = 8  # numbers in a processor's widest vector: loops over multiples are compiled to vectors
+Chain = namedtuple("Chain", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
-the pin and of the last particle; how damping is stepped. The rows of ``bodies`` are the masses
-along x and y, with the slider of an ideal joint, the rotary inertias, and the weights along y, in
-N."""
+the pin and of the last particle; how damping is stepped. The masses in ``bodies``, along x and y,
+have the slider of an ideal joint."""
 FIXED = 0  # number of the particle, and of its rotation, at the crank's fixed end
-AXIS_Y = 1  # column of places and rates
+AXIS_X, AXIS_Y = range(2)  # columns of places and rates
 # Rows of the motion: places and turns at the current time, and their rates half a step before
 X, Y, TURN, U, V, SPIN = range(6)
 LENGTH0, AXIAL, NEAR, FAR = range(4)  # rows of the elements
@@ -54,7 +49,7 @@ COSINE, SINE, ANGLE, LENGTH, GROWTH, BENT1, BENT2, MOMENT1, MOMENT2, PULL, PUSH 
 FORCE_X, FORCE_Y, MOMENT, MIDDLE_U, MIDDLE_V, MIDDLE_SPIN = range(11, 17)
 
 
-def stable_step(scene: Scene, elements: tuple[int, int]) -> float:
+def stable_step(scene: Scene, elements: Elements) -> float:
     """Stability limit in s of the explicit time step, for a clearance joint without contact."""
     return 2 / Frame(scene, elements).highest_frequency(0.0, held=False)
 
@@ -100,14 +95,9 @@ def _internal_forces(motion, elements, bodies, workspace, pin, last, drive):
 
 
 @compiled
-def _accelerate(motion, bodies, workspace, steady, h):
-    """Step the rates and fill in those at the middle of the step; say if all are finite.
-
-    At constant crank speed, ``steady``, the crank's fixed end keeps its rate.
-    """
-    wild, drive = 0, workspace[MOMENT, FIXED]
-    if steady:
-        workspace[MOMENT, FIXED] = 0.0
+def _accelerate(motion, bodies, workspace, h):
+    """Step the rates and fill in those at the middle of the step; say if all are finite."""
+    wild = 0
     for k in range(3):
         for i in range(bodies.shape[1]):
             change = h * workspace[FORCE_X + k, i] / bodies[k, i]
@@ -115,7 +105,6 @@ def _accelerate(motion, bodies, workspace, steady, h):
             workspace[MIDDLE_U + k, i] = middle
             motion[U + k, i] += change
             wild += not abs(middle) < 1e150
-    workspace[MOMENT, FIXED] = drive
     return wild == 0
 
 
@@ -168,23 +157,23 @@ def _follow_gap(state, impacts, depth, h):
 
 
 @compiled
-def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
+def _joint(ex, ey, depth, load, slider_mass, state, motion, chain, workspace, p, law, h):
     """Forces of the joint as a `JointOutput`, and the limit of the step.
 
-    The depth is > 0; ``workspace`` has the other forces and moments.
+    The depth is > 0; ``workspace`` has the other forces and moments, and ``load`` the slider.
     """
-    last = system.last
+    last = chain.last
     spin, moment = motion[SPIN, last + 1], workspace[MOMENT, last + 1]
-    mass, rotary = system.bodies[MASS_X, last], system.bodies[ROTARY, last + 1]
+    mass, rotary = chain.bodies[MASS_X, last], chain.bodies[ROTARY, last + 1]
     r = norm(ex, ey)
     nx, ny = ex / r, ey / r
     wx, wy = motion[U, last] - state.slider_speed, motion[V, last]
     rate, sliding = wx * nx + wy * ny, wy * nx - wx * ny + p.r1 * spin
     elastic, stiffness = elastic_force(law, depth)
     loss = elastic * p.damping / state.approach
-    inverse_mass = 1 / mass + nx * nx / p.m3
-    stiff = system.frequency**2 + stiffness * inverse_mass
-    if system.lagged:  # (h w)^2 + 2 h c/m < 4
+    inverse_mass = 1 / mass + nx * nx / slider_mass
+    stiff = chain.frequency**2 + stiffness * inverse_mass
+    if chain.lagged:  # (h w)^2 + 2 h c/m < 4
         limit = (sqrt((loss * inverse_mass) ** 2 + 4 * stiff) - loss * inverse_mass) / stiff
         regime = friction_regime(sliding, p.v0, p.v1)
         speeds = rate, sliding, regime, state.approach
@@ -192,11 +181,13 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
         normal, tangential = forces.normal, forces.tangential
     else:  # with the forces of this step, which depend on the velocity
         limit = 2 / sqrt(stiff)
-        fnx, fny = workspace[FORCE_X, last] / mass, workspace[FORCE_Y, last] / mass
+        # accelerations of the ball against the slider without the joint's forces
+        fnx = workspace[FORCE_X, last] / mass - load.value / slider_mass
+        fny = workspace[FORCE_Y, last] / mass
         rate += 0.5 * h * (fnx * nx + fny * ny)
         sliding += 0.5 * h * (fny * nx - fnx * ny + p.r1 * moment / rotary)
-        free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / p.m3
-        side = 1 / mass + ny * ny / p.m3 + p.r1**2 / rotary
+        free_rate, free_sliding, both = rate, sliding, 0.5 * h * nx * ny / slider_mass
+        side = 1 / mass + ny * ny / slider_mass + p.r1**2 / rotary
         normal = tangential = 0.0
         for _ in range(4):  # normal and tangential force act on each other weakly
             pushed = free_rate - both * tangential
@@ -215,30 +206,30 @@ def _joint(ex, ey, depth, state, motion, system, workspace, p, law, h):
 
 
 @compiled
-def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, h):
+def _write_output(row, state, motion, speed, pull, chain, workspace, joint, p, h):
     """Fill a row of output, after the step's rates and before its places."""
-    m, w, pin, last = motion, workspace, system.pin, system.last
-    turning, drive = workspace[MOMENT, FIXED] / system.bodies[ROTARY, FIXED], p.moment
-    if p.steady:
-        turning, drive = 0.0, -workspace[MOMENT, FIXED]
+    m, w, pin, last = motion, workspace, chain.pin, chain.last
+    turning = workspace[MOMENT, FIXED] / chain.bodies[ROTARY, FIXED]
     kinetic = stored = 0.0  # of the links, at the middle of the step; and of their strains
     for i in range(1, last + 1):
         for k in range(2):
-            kinetic += 0.5 * system.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
+            kinetic += 0.5 * chain.bodies[k, i] * w[MIDDLE_U + k, i] ** 2
     for j in range(last + 2):
-        kinetic += 0.5 * system.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
+        kinetic += 0.5 * chain.bodies[ROTARY, j] * w[MIDDLE_SPIN, j] ** 2
     for e in range(last):
-        stretching = system.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
+        stretching = chain.elements[AXIAL, e] * w[GROWTH, e] * w[GROWTH, e]
         bending1, bending2 = w[MOMENT1, e] * w[BENT1, e], w[MOMENT2, e] * w[BENT2, e]
         stored += 0.5 * (stretching + bending1 + bending2)
-    if not system.ideal:
+    if not chain.ideal:
         kinetic += 0.5 * p.m3 * speed * speed
-    work = state.drive_work + p.moment * m[TURN, FIXED]
+    crank_speed = m[SPIN, FIXED] - 0.5 * h * turning
+    work = state.work - loads.on_crank(p, m[TURN, FIXED], crank_speed).energy
+    work -= loads.on_slider(p, state.slider, speed).energy
     for i in range(1, last + 1):
-        work -= p.gravity * system.bodies[MASS_X, i] * m[Y, i]
-    change = 0.5 * h * workspace[MOMENT, last + 1] / system.bodies[ROTARY, last + 1]
-    row.crank_angle, row.crank_speed = m[TURN, FIXED], m[SPIN, FIXED] - 0.5 * h * turning
-    row.crank_acceleration, row.driving_moment = turning, drive
+        work -= p.gravity * chain.bodies[MASS_X, i] * m[Y, i]
+    change = 0.5 * h * workspace[MOMENT, last + 1] / chain.bodies[ROTARY, last + 1]
+    row.crank_angle, row.crank_speed = m[TURN, FIXED], crank_speed
+    row.crank_acceleration, row.driving_moment = turning, p.moment + state.holding
     row.slider_position, row.slider_velocity, row.slider_acceleration = state.slider, speed, pull
     row.coupler_angle = direction(m[Y, last] - m[Y, pin], m[X, last] - m[X, pin])
     row.coupler_speed = m[SPIN, last + 1] - change
@@ -248,20 +239,29 @@ def _write_output(row, state, motion, speed, pull, system, workspace, joint, p, 
 
 
 @compiled
-def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts, events):
+def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, events):
     """Fill ``rows``, ``strides`` steps apart; return the number of rows filled and the ending."""
-    (elements, bodies, pin, last, _, ideal, _, _), done, m = system, 0, motion
+    (elements, bodies, pin, last, _, ideal, _, _), done, m = chain, 0, motion
     while done < len(rows) and state.steps < state.until:
         if state.impacts == len(impacts):
             return done, stepping.FULL
         state.time = state.steps * h
-        _internal_forces(m, elements, bodies, workspace, pin, last, p.moment)
-        if p.steady:
-            between = h if state.steps > 0 else 0.0
-            stepping.add_drive_work(state, -workspace[MOMENT, FIXED], m[SPIN, FIXED], between)
+        # A load at the velocity now, v = u + h/2 a with u half a step before, is linearised: with
+        # its value F at u, m a = R + F + F' h/2 a has the solution a = (R + F) / (m - h/2 F').
+        on_crank = loads.on_crank(p, m[TURN, FIXED], m[SPIN, FIXED])
+        on_slider = loads.on_slider(p, state.slider, state.slider_speed)
+        slider_mass = p.m3 - 0.5 * h * on_slider.by_rate
+        _internal_forces(m, elements, bodies, workspace, pin, last, on_crank.value)
+        if p.steady:  # the crank's fixed end keeps its rate
+            state.holding, workspace[MOMENT, FIXED] = -workspace[MOMENT, FIXED], 0.0
+        else:
+            workspace[MOMENT, FIXED] /= 1 - 0.5 * h * on_crank.by_rate / bodies[ROTARY, FIXED]
         event, largest = -1, False
         if ideal:
-            fx = p.m3 / bodies[MASS_X, last] * workspace[FORCE_X, last]
+            mass = bodies[MASS_X, last]
+            heavier = 1 - 0.5 * h * on_slider.by_rate / mass
+            workspace[FORCE_X, last] = (workspace[FORCE_X, last] + on_slider.value) / heavier
+            fx = slider_mass / mass * workspace[FORCE_X, last] - on_slider.value
             fy = workspace[FORCE_Y, last]
             joint = JointOutput(0.0, 0.0, 0.0, norm(fx, fy), 0.0, fx, fy)
             workspace[FORCE_Y, last] = 0.0
@@ -274,24 +274,29 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
             joint = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
             event = _follow_gap(state, impacts, depth, h)
             if depth > 0:
-                joint, limit = _joint(ex, ey, depth, state, m, system, workspace, p, law, h)
-                if system.guarded and not h <= limit:  # nor if the limit is no number
+                joint, limit = _joint(
+                    ex, ey, depth, on_slider, slider_mass, state, m, chain, workspace, p, law, h
+                )
+                if chain.guarded and not h <= limit:  # nor if the limit is no number
                     state.limit = limit
                     return done, stepping.FAILED
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
-        pull = joint.force_x / p.m3  # the slider's acceleration
-        finite = _accelerate(m, bodies, workspace, p.steady > 0, h)
+        pull = (joint.force_x + on_slider.value) / slider_mass  # the slider's acceleration
+        finite = _accelerate(m, bodies, workspace, h)
         state.slider_speed = m[U, last] if ideal else state.slider_speed + h * pull
         speed = state.slider_speed - 0.5 * h * pull
+        power = state.holding * m[SPIN, FIXED] + loads.on_slider(p, state.slider, speed).power
+        power += loads.on_crank(p, m[TURN, FIXED], workspace[MIDDLE_SPIN, FIXED]).power
+        stepping.add_work(state, power, h if state.steps > 0 else 0.0)
         if not (finite and abs(speed) < inf):
-            state.limit = 2 / system.frequency
+            state.limit = 2 / chain.frequency
             return done, stepping.FAILED
         for which in (event, stepping.PEAK if largest else -1):
             if which >= 0:
                 row = stepping.event_row(events, state, which)
-                _write_output(row, state, m, speed, pull, system, workspace, joint, p, h)
+                _write_output(row, state, m, speed, pull, chain, workspace, joint, p, h)
         if state.steps % strides == 0:
-            _write_output(rows[done], state, m, speed, pull, system, workspace, joint, p, h)
+            _write_output(rows[done], state, m, speed, pull, chain, workspace, joint, p, h)
             done += 1
         for k in range(3):
             for i in range(bodies.shape[1]):
@@ -304,28 +309,32 @@ def advance(state, motion, system, workspace, p, law, h, strides, rows, impacts,
 def blocks(
     scene: Scene,
     law: np.record,
-    times: NDArray[np.float64],
+    times: Array,
     ideal: bool,
     step: float | None,
-    elements: tuple[int, int],
+    elements: Elements,
     method: Method,
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
     The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
     seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
-    unless ``unguarded``. The default is half the limit; in a clearance joint, that at a depth of
-    one clearance.
+    unless ``unguarded``. The default is half the limit, with clearance that at a depth of it.
     """
-    frame = Frame(scene, elements)
+    frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
+    start = straight_links(scene, elements, ideal)
+    on_crank = loads.on_crank(p, scene.initial_crank_angle, scene.starting_speed)
+    on_slider = loads.on_slider(p, *start[-1])
+    by_springs = max(-on_crank.by_place, 0.0) / frame.rotaries[FIXED]
+    by_springs += max(-on_slider.by_place, 0.0) / scene.slider_mass
+    frequency = hypot(frequency, sqrt(by_springs))  # not below that of frame and springs together
     limit = 2 / frequency
     if step is None:
         inverse_mass = 1 / frame.masses[-1] + 1 / scene.slider_mass
         _, stiffness = elastic_force(law, scene.clearance)
         step = 1 / (frequency if ideal else sqrt(frequency**2 + stiffness * inverse_mass))
-    in_contact = min(limit, 2 * step)
-    checks.number("stability limit", in_contact, "s", least=1e-10 * times[-1])
+    checks.number("stability limit", min(limit, 2 * step), "s", least=1e-10 * times[-1])
     strides, h = stepping.divide(times, step)
     if h > limit and method != "unguarded":
         raise ValueError(f"step must be <= {limit:.4g} s, the stability limit, got {step:.4g} s")
@@ -335,12 +344,14 @@ def blocks(
     rows = [frame.elements[name] for name in ("length", "axial", "near", "far")]
     padded = _filled(rows, (1.0, 0.0, 0.0, 0.0))
     lagged, guarded, last = method != "centred", method != "unguarded", len(frame.elements)
-    system = System(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
+    chain = Chain(padded, bodies, frame.pin, last, frequency, ideal, lagged, guarded)
     state = stepping.new_state(*OWN)
-    motion, state.slider, state.slider_speed = _start(scene, frame, ideal, h)
+    motion, state.slider, state.slider_speed = _start(
+        scene, frame, start, ideal, h, on_crank, on_slider
+    )
     workspace, state.step = np.zeros((MIDDLE_SPIN + 1, motion.shape[1])), h
     state.gap = norm(motion[X, last] - state.slider, motion[Y, last]) - scene.clearance
-    loop = partial(advance, state, motion, system, workspace, scene.constants(), law, h, strides)
+    loop = partial(advance, state, motion, chain, workspace, p, law, h, strides)
     failure = "the step must stay <= {:.4g} s, the stability limit"
     return stepping.advance_in_blocks(loop, times, state, failure)
 
@@ -352,19 +363,20 @@ def _filled(rows, values, more=0):
     return np.array([np.pad(row, (0, size - len(row)), constant_values=v) for row, v in pairs])
 
 
-def _start(scene, frame, ideal, h):
+def _start(scene, frame, start, ideal, h, on_crank, on_slider):
     """Motion, and the slider's position and speed, at t = 0; rates are those half a step before.
 
-    The joints are at rest, and the links straight: only gravity and the drive's moment accelerate
-    them. They are unstrained too, so that a link that turns stretches, and oscillates axially at
-    first.
+    The joints are at rest, and the links straight: only gravity and the loads accelerate them. They
+    are unstrained too, so that a link that turns stretches, and oscillates axially at first.
     """
-    elements = frame.pin, len(frame.elements) - frame.pin
-    places, rates, turns, spins, slide = straight_links(scene, elements, ideal)
+    places, rates, turns, spins, slide = start
     if scene.crank_speed is None:
-        spins[FIXED] -= h / 2 * scene.driving_moment / frame.rotaries[FIXED]
+        spins[FIXED] -= h / 2 * on_crank.value / frame.rotaries[FIXED]
+    slide[1] -= h / 2 * on_slider.value / (scene.slider_mass + (frame.masses[-1] if ideal else 0.0))
     rates[1:, AXIS_Y] += h / 2 * scene.gravity
     rates[-1, AXIS_Y] = 0.0 if ideal else h / 2 * scene.gravity  # the ball is at rest in its socket
+    if ideal:
+        rates[-1, AXIS_X] = slide[1]
     motion = _filled([*places.T, turns, *rates.T, spins], [0.0] * 6, LANES)
     last = len(places)
     motion[X, last:] = 1 + np.arange(motion.shape[1] - last)  # no two at one place

@@ -20,17 +20,6 @@ if TYPE_CHECKING:
 
     from study.mechanism.scene import Scene
 
-_OF_JOINT = {
-    "eccentricity_x": Quantity(
-        "Eccentricity: from the socket's centre to the ball's, along x", "m"
-    ),
-    "eccentricity_y": Quantity("The same along y", "m"),
-    "depth": Quantity("Penetration depth; negative without contact", "m"),
-    "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
-    "tangential_force": Quantity("Friction force", "N"),
-    "force_x": Quantity("Force on the body with the socket, along x", "N"),
-    "force_y": Quantity("The same along y", "N"),
-}
 COLUMNS = {
     "time": Quantity("Time", "s"),
     "crank_angle": Quantity("Angle of the crank", "rad"),
@@ -41,21 +30,27 @@ COLUMNS = {
     "slider_acceleration": Quantity("Acceleration of the slider", "m/s^2"),
     "coupler_angle": Quantity("Angle of the coupler", "rad"),
     "coupler_speed": Quantity("Angular velocity of the coupler", "rad/s"),
-    **_OF_JOINT,
-    "work": Quantity("Work of drive and gravity since t = 0", "J"),
+    "eccentricity_x": Quantity("Eccentricity: from the socket's centre to the ball's along x", "m"),
+    "eccentricity_y": Quantity("The same along y", "m"),
+    "depth": Quantity("Penetration depth; negative without contact", "m"),
+    "normal_force": Quantity("Normal force; of an ideal joint the magnitude of the force", "N"),
+    "tangential_force": Quantity("Friction force", "N"),
+    "force_x": Quantity("Force on the body with the socket, along x", "N"),
+    "force_y": Quantity("The same along y", "N"),
+    "work": Quantity("Work of drive, gravity and other loads since t = 0", "J"),
     "kinetic": Quantity("Kinetic energy", "J"),
     "elastic": Quantity("Elastic energy of all joints and links", "J"),
     "lost_damping": Quantity("Energy lost by damping in the joints", "J"),
     "lost_friction": Quantity("Energy lost by friction in the joints", "J"),
     "driving_moment": Quantity("Moment of the drive", "N m"),
 }
-"""Columns of a response, by name."""
 CRANK_COLUMNS = {
     "crank_joint_normal_force": Quantity("Magnitude of the force in the ideal crank joint", "N"),
     "crank_joint_force_x": Quantity("Force on the coupler there, along x", "N"),
     "crank_joint_force_y": Quantity("The same along y", "N"),
 }
-"""Columns of rigid links only: the ideal joint between crank and coupler."""
+"""Columns of rigid links only: the ideal joint between crank and coupler. The others are `COLUMNS`
+of every response."""
 ALL_COLUMNS = COLUMNS | CRANK_COLUMNS
 EVENTS = ("start", "peak", "end")
 """Kinds of an impact's own rows: first contact, largest normal force, separation."""
@@ -70,10 +65,8 @@ IMPACT_COLUMNS = {
     "free_duration": Quantity("Duration of an elastic impact without other forces", "s"),
 }
 """Columns of the contacts, by name."""
-AT_REST = 1e-20
-"""Energy in J up to which a mechanism rests: it is rounding."""
+AT_REST = 1e-20  # energy in J up to which a mechanism rests: it is rounding
 SUSTAINED = 10.0
-"""A contact that lasts this many times a free impact of its approach speed is not an impact."""
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
 """A row of output; flexible links leave `CRANK_COLUMNS` at 0."""
 IMPACT_ROW = np.dtype([("kind", "U9"), *((name, float) for name in IMPACT_COLUMNS)])
@@ -86,25 +79,6 @@ class Response:
     Every name of `columns`, for example ``slider_position``, is also an attribute: an array at the
     n equally spaced output times, in SI units.
 
-    Attributes
-    ----------
-    rows : shape (n,)
-        A record at each output time, with the fields `columns`.
-    impact_rows : shape (m,)
-        A record for each contact, with the fields ``kind`` and `IMPACT_COLUMNS`.
-    event_rows : shape (e,)
-        Records like ``rows`` at the start, the maximum normal force and the end of each impact.
-    event_kinds
-        One of `EVENTS` for each of these records.
-    complete
-        False if the simulation was interrupted.
-    law
-        The contact law; None for an ideal joint.
-    restitution, delivered_restitution
-        Coefficient of restitution of a free impact: the given one, and that of the damping model.
-    tolerance
-        Tolerance of the time integration; None for a model without one.
-
     Examples
     --------
     >>> from study.mechanism import simulate
@@ -114,14 +88,19 @@ class Response:
     """
 
     rows: NDArray[np.void]
+    """A record at each output time, with the fields `columns`; shape (n,)."""
     impact_rows: NDArray[np.void]
+    """A record for each contact, with the fields ``kind`` and `IMPACT_COLUMNS`."""
     event_rows: NDArray[np.void]
+    """Records like ``rows`` at the start, the maximum normal force and the end of each impact."""
     event_kinds: tuple[str, ...]
+    """One of `EVENTS` for each of these records."""
     complete: bool = True
-    law: DimensionalLaw | None = None
-    restitution: float = 1.0
-    delivered_restitution: float = 1.0
-    tolerance: float | None = None
+    """False if the simulation was interrupted."""
+    law: DimensionalLaw | None = None  # None for an ideal joint
+    restitution: float = 1.0  # of the scene
+    delivered_restitution: float = 1.0  # of a free impact with the damping model
+    tolerance: float | None = None  # None for a model without one
 
     @property
     def columns(self) -> dict[str, Quantity]:
@@ -137,11 +116,8 @@ class Response:
     def motion(self) -> "pd.DataFrame":
         """Table of the `columns`, in SI units, at the output times and at the events of impacts.
 
-        The last column, ``event``, is empty at output times. At events it is one of `EVENTS`.
-        A contact that has not ended has no end. For links of particles and beams the events are the
-        first step in contact, the step of the maximum force, and the first step out of contact.
-
-        `COLUMNS` describes the columns. The normal force in contact may be negative
+        The last column, ``event``, is empty at output times. At events, which are ends of steps for
+        flexible links, it is one of `EVENTS`. The normal force in contact may be negative
         (`study.contact.forces.joint_forces`).
         """
         import pandas as pd
@@ -155,12 +131,9 @@ class Response:
     def impacts(self) -> "pd.DataFrame":
         """The ``impact_rows`` as a table, with a row for each contact.
 
-        For a contact that has not ended, ``separation_speed`` is missing (NaN), and ``duration``
-        and ``lost`` are the values so far. ``free_duration`` is the duration of an elastic impact
-        with the same approach speed between the same rigid links, without other forces. A contact
-        that lasts more than `SUSTAINED` times as long has the kind ``sustained``, because the
-        forces of the mechanism then press the bodies together; any other is an ``impact`` (this
-        study).
+        A contact that lasts more than `SUSTAINED` times as long as an elastic impact with the same
+        approach speed has the kind ``sustained``, because the forces of the mechanism then press
+        the bodies together; any other is an ``impact`` (this study).
         """
         import pandas as pd
 
@@ -222,7 +195,6 @@ def exceeded_limits(
         found |= limits.limits(depth_star, depth=deepest)
         found |= yielding.yield_limit(joint, depth_star)
     except checks.RangeError as error:
-        found["joint"] = (
-            f"The law was not compared with an elastic solution of this joint: {error}."
-        )
+        what = "The law was not compared with an elastic solution of this joint"
+        found["joint"] = f"{what}: {error}."
     return found

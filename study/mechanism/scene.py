@@ -1,44 +1,31 @@
-"""The crank-slider of the paper's section 4.3: what the paper states, and what this study assumes.
-
-Tables 3 and 4 state lengths, masses, clearance, material, restitution, friction and drive. Every
-field of `Scene` has its unit, its range and its source.
-"""
+"""The crank-slider of the paper's section 4.3: what its Tables 3 and 4 state, and assumptions."""
 
 from collections import namedtuple
 from dataclasses import dataclass, replace
 from math import hypot, pi
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, get_args
 
 from study import checks, parameters
 from study.contact import Material, composite_modulus, material
 from study.contact.damping import Damping, damping_factor, delivered_restitution
 from study.contact.materials import read_material
+from study.mechanism import loads
 from study.parameters import parameter
 
-if TYPE_CHECKING:
-    pass
-
-Body = Literal["crank", "coupler"]
+LINKS = ("crank", "coupler")
 PAPER_DAMPING: Damping = "lankarani-nikravesh"
-Constants = namedtuple(
-    "Constants",
-    "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 gravity r1 clearance damping friction v0 v1 steady",
-)
+LARGE: dict[str, Any] = {"least": -1e6, "most": 1e6}  # limits of numbers of either sign
+OF_ROD: dict[str, Any] = {
+    "otherwise": "that of a thin uniform rod",
+    "source": "assumed, thin uniform rod about its centre, m L^2/12",
+}
+_NUMBERS = "l1 l2 a11 a22 a12 m2 m3 moment g1 g2 r1 clearance damping friction v0 v1 steady"
+_record: Any = namedtuple  # mypy knows no computed names of fields
+Constants = _record("Constants", f"{_NUMBERS} {' '.join(loads.PARAMETERS)}")
 """What compiled functions know of a scene, in SI units, with rigid links as a double pendulum.
 ``steady`` is 1 for a crank of constant speed."""
 Link = namedtuple("Link", "length mass_per_length rotary_per_length axial shear bending")
 """Beam properties of a flexible link, all SI: stiffnesses EA, k GA (k = 5/6), EI."""
-
-
-def _inertia_of(body: Body) -> Any:
-    return parameter(
-        None,
-        f"Moment of inertia of the {body} about its centre",
-        "kg m^2",
-        least=0,
-        otherwise="that of a thin uniform rod",
-        source="assumed, thin uniform rod about its centre, m L^2/12",
-    )
 
 
 def _material_of(body: str) -> Any:
@@ -60,41 +47,26 @@ class Scene:
     The slide lies along +x and passes through the axis of the crank. The clearance joint is between
     coupler and slider: the ball is at the end of the coupler, and the socket is in the slider,
     which does not rotate. The ball is at rest relative to its socket at t = 0. The defaults are
-    those of Yao et al., and for what they do not state those of this study.
+    those of Yao et al., and for what they do not state those of this study. ``study simulate
+    --help`` explains each parameter, and its field has the source of the default.
 
     Parameters
     ----------
-    crank_length, coupler_length : float, default 0.05 and 0.12
-        Lengths of the links in m.
-    crank_mass, coupler_mass, slider_mass : float, default 0.3, 0.21 and 0.14
-        Masses in kg.
-    clearance, socket_radius : float, default 5e-5 and 0.01
-        Clearance and radius of the socket in m.
-    youngs_modulus, poisson : float, default 207e9 and 0.3
-        Young's modulus in Pa and Poisson's ratio of ball, socket and links.
+    crank_length, coupler_length : float, in m, default 0.05 and 0.12
+    crank_mass, coupler_mass, slider_mass : float, in kg, default 0.3, 0.21 and 0.14
+    clearance, socket_radius : float, in m, default 5e-5 and 0.01
+    youngs_modulus, poisson : float, in Pa and without unit, default 207e9 and 0.3
     restitution, friction : float, default 0.5 and 0.05
-        Coefficients of restitution and of friction in the joint.
-    slow_speed, full_speed : float, default 1e-4 and 0.01
-        Sliding speeds in m/s, below which there is no friction and above which it is full.
-    driving_moment : float, default 0.5
-        Moment on the crank in N m.
-    crank_inertia, coupler_inertia : float, optional
-        Moments of inertia about the centres of the links in kg m^2; thin rods by default.
+    slow_speed, full_speed : float, in m/s, default 1e-4 and 0.01
+    driving_moment : float, in N m, default 0.5
+    crank_inertia, coupler_inertia : float, in kg m^2, optional
     ball, socket : Material or str, optional
-        Materials of ball and socket, if they are not those of the links.
-    link_modulus, density : float, optional
-        Young's modulus in Pa and density in kg/m^3 of flexible links, whose sections are squares.
+    link_modulus, density : float, in Pa and kg/m^3, default youngs_modulus and 7850
     damping : {"exact", "lankarani-nikravesh", "hunt-crossley", "flores"}, default "exact"
-        Model of the damping factor. With "exact" an impact has the given coefficient of
-        restitution; Yao et al. use "lankarani-nikravesh".
-    gravity : float, default 0
-        Acceleration along -y in m/s^2.
-    initial_eccentricity : tuple of two floats, default (0, 0)
-        Vector from the centre of the socket to that of the ball at t = 0, in m.
-    initial_crank_angle, initial_crank_speed : float, default 0
-        Angle from +x in rad and speed in rad/s of the crank at t = 0.
-    crank_speed : float, optional
-        Constant speed of the crank in rad/s, instead of driving_moment and initial_crank_speed.
+    gravity : float, in m/s^2, default 0
+    initial_eccentricity : tuple of two floats, in m, default (0, 0)
+    initial_crank_angle, initial_crank_speed : float, in rad and rad/s, default 0
+    crank_speed : float, in rad/s, optional
 
     Raises
     ------
@@ -137,7 +109,7 @@ class Scene:
         0.01, "Sliding speed v1, above which the friction is full", "m/s", above=0, source="Table 4"
     )
     driving_moment: float = parameter(
-        0.5, "Moment that drives the crank", "N m", least=-1e6, most=1e6, source="Table 4"
+        0.5, "Moment that drives the crank", "N m", **LARGE, source="Table 4"
     )
     socket_radius: float = parameter(
         10e-3,
@@ -146,8 +118,12 @@ class Scene:
         above=0,
         source="assumed, R2* = 200, the paper's static case",
     )
-    crank_inertia: float | None = _inertia_of("crank")
-    coupler_inertia: float | None = _inertia_of("coupler")
+    crank_inertia: float | None = parameter(
+        None, "Moment of inertia of the crank about its centre", "kg m^2", least=0, **OF_ROD
+    )
+    coupler_inertia: float | None = parameter(
+        None, "Moment of inertia of the coupler about its centre", "kg m^2", least=0, **OF_ROD
+    )
     ball: Material | str | None = _material_of("ball")
     socket: Material | str | None = _material_of("socket")
     link_modulus: float | None = parameter(
@@ -172,7 +148,7 @@ class Scene:
         source="chosen here, delivers the restitution",
     )
     gravity: float = parameter(
-        0.0, "Acceleration along -y", "m/s^2", least=-1e6, most=1e6, source="assumed, none"
+        0.0, "Acceleration along -y", "m/s^2", **LARGE, source="assumed, none"
     )
     initial_eccentricity: tuple[float, float] = parameter(
         (0.0, 0.0),
@@ -192,29 +168,24 @@ class Scene:
         source="given by the paper: links on +x",
     )
     initial_crank_speed: float = parameter(
-        0.0,
-        "Speed of the crank at t = 0",
-        "rad/s",
-        least=-1e6,
-        most=1e6,
-        source="assumed, from rest",
+        0.0, "Speed of the crank at t = 0", "rad/s", **LARGE, source="assumed, from rest"
     )
     crank_speed: float | None = parameter(
         None,
         "Constant speed of the crank, which replaces driving_moment and initial_crank_speed",
         "rad/s",
-        least=-1e6,
-        most=1e6,
+        **LARGE,
         source="no such drive",
     )
+    # parameters of further loads
 
     def __post_init__(self) -> None:
         parameters.take(self)
         for body in ("ball", "socket"):
             if getattr(self, body) is not None:
                 material(getattr(self, body), body)
-        limits: dict[str, Any] = {"least": 1e-9 * self.socket_radius, "below": self.socket_radius}
-        checks.number("clearance", self.clearance, "m", **limits)
+        largest = self.socket_radius
+        checks.number("clearance", self.clearance, "m", least=1e-9 * largest, below=largest)
         longest = self.coupler_length - self.clearance
         checks.number("crank_length", self.crank_length, "m", below=longest)
         checks.number("slow_speed", self.slow_speed, "m/s", below=self.full_speed)
@@ -264,60 +235,36 @@ class Scene:
     @property
     def inertias(self) -> tuple[float, float]:
         """Moments of inertia of crank and coupler about their centres, in kg m^2."""
-        crank = self.crank_mass * self.crank_length**2 / 12
-        coupler = self.coupler_mass * self.coupler_length**2 / 12
-        return (
-            crank if self.crank_inertia is None else self.crank_inertia,
-            coupler if self.coupler_inertia is None else self.coupler_inertia,
-        )
+        crank = self.crank_inertia, self.crank_mass, self.crank_length
+        coupler = self.coupler_inertia, self.coupler_mass, self.coupler_length
+        i1, i2 = (m * size**2 / 12 if i is None else i for i, m, size in (crank, coupler))
+        return i1, i2
 
-    def has_none_of(self, *names: str) -> None:
-        """Raise ``ValueError`` if a parameter is given that a model does not have."""
-        for name in names:
-            if getattr(self, name) != getattr(Scene, name):
-                raise ValueError(f"{name} does not apply to this model; remove it")
-
-    def link(self, body: Body) -> Link:
+    def link(self, body: str) -> Link:
         """Beam of a flexible link; an inertia below a thin rod's is a ``ValueError``."""
         length, mass = getattr(self, f"{body}_length"), getattr(self, f"{body}_mass")
-        rod, own = mass * length**2 / 12, self.inertias[get_args(Body).index(body)]
+        rod, own = mass * length**2 / 12, self.inertias[LINKS.index(body)]
         name, least = f"{body} inertia of a flexible link", rod * (1 - 1e-12)
         checks.number(name, own, "kg m^2", least=least)
         modulus, area = self.link_modulus or self.youngs_modulus, mass / (self.density * length)
-        return Link(
-            length=length,
-            mass_per_length=mass / length,
-            rotary_per_length=max(own - rod, 0.0) / length,
-            axial=modulus * area,
-            shear=5 / 6 * modulus / (2 * (1 + self.poisson)) * area,
-            bending=modulus * area**2 / 12,
-        )
+        shear, bending = 5 / 6 * modulus / (2 * (1 + self.poisson)) * area, modulus * area**2 / 12
+        masses = mass / length, max(own - rod, 0.0) / length
+        return Link(length, *masses, axial=modulus * area, shear=shear, bending=bending)
 
-    def constants(self) -> Constants:
+    def constants(self) -> Any:
         """Numbers of the scene for the compiled functions."""
         i1, i2 = self.inertias
         m1, m2, l1, l2 = self.crank_mass, self.coupler_mass, self.crank_length, self.coupler_length
-        g, g1 = self.gravity, (m1 / 2 + m2) * self.gravity * l1
-        return Constants(
-            l1=l1,
-            l2=l2,
-            a11=i1 + m1 * l1**2 / 4 + m2 * l1**2,
-            a22=i2 + m2 * l2**2 / 4,
-            a12=m2 * l1 * l2 / 2,
-            m2=m2,
-            m3=self.slider_mass,
-            moment=self.driving_moment if self.crank_speed is None else 0.0,
-            g1=g1,
-            g2=m2 * g * l2 / 2,
-            gravity=g,
-            r1=self.ball_radius,
-            clearance=self.clearance,
-            damping=self.damping_factor,
-            friction=self.friction,
-            v0=self.slow_speed,
-            v1=self.full_speed,
-            steady=float(self.crank_speed is not None),
-        )
+        g, steady = self.gravity, self.crank_speed is not None
+        links = {"l1": l1, "l2": l2, "m2": m2, "m3": self.slider_mass, "r1": self.ball_radius}
+        inertias = {"a11": i1 + m1 * l1**2 / 4 + m2 * l1**2, "a22": i2 + m2 * l2**2 / 4}
+        weights = {"g1": (m1 / 2 + m2) * g * l1, "g2": m2 * g * l2 / 2}
+        drive = {"moment": 0.0 if steady else self.driving_moment, "steady": float(steady)}
+        joint = {"clearance": self.clearance, "damping": self.damping_factor}
+        friction = {"friction": self.friction, "v0": self.slow_speed, "v1": self.full_speed}
+        of_loads = {name: getattr(self, name) for name in loads.PARAMETERS}
+        pendulum = inertias | weights | {"a12": m2 * l1 * l2 / 2}
+        return Constants(**links, **pendulum, **drive, **joint, **friction, **of_loads)
 
     def replace(self, **changes: Any) -> "Scene":
         """Copy with some attributes changed."""
@@ -325,9 +272,8 @@ class Scene:
 
 
 def paper_scene(**changes: Any) -> Scene:
-    """Mechanism parameters with the damping model of Yao et al.
+    """Mechanism parameters with the damping model of Yao et al., and other ``changes``.
 
-    With this model an impact does not have the given coefficient of restitution
-    (`Scene.delivered_restitution`). The ``changes`` are attributes of `Scene`.
+    With this model an impact delivers another coefficient of restitution than the given one.
     """
     return Scene(**({"damping": PAPER_DAMPING} | changes))

@@ -1,8 +1,6 @@
 """The function `simulate`, which runs every model of the crank-slider, with checked arguments.
 
-The three models have rigid links, links of particles (the finite particle method of Yao et al.), or
-links of beam elements, each with a clearance joint or an ideal joint. `study.choose.compare_models`
-compares them.
+`study.choose.compare_models` compares the models.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -31,9 +29,7 @@ if TYPE_CHECKING:
 Model = Literal["rigid", "particles", "beams"]
 JointKind = Literal["clearance", "ideal"]
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
-BEAM_STEP = 1e-6
-ELEMENTS = (4, 8)
-MOST_STEPS = 1e10
+BEAM_STEP, ELEMENTS, MOST_STEPS = 1e-6, (4, 8), 1e10
 MOST_TURNED = 1e6
 """Largest angle in rad by which drive and gravity alone would turn the crank: some minutes of
 computing for rigid links. A crank far too short or light for its drive does nothing but turn."""
@@ -46,10 +42,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         "et al.), or beams",
         choices=get_args(Model),
     ),
-    joint=Parameter(
-        "Joint between coupler and slider",
-        choices=get_args(JointKind),
-    ),
+    joint=Parameter("Joint between coupler and slider", choices=get_args(JointKind)),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
         "Python it may also be a law such as ``Steuermann(n=2)``, a table of the values of a "
@@ -58,7 +51,7 @@ computing for rigid links. A crank far too short or light for its drive does not
         "scene has the default ones",
         kind=str,
     ),
-    duration=Parameter("Simulated time", "s", {"above": 0, "most": 1000000000.0}),
+    duration=Parameter("Simulated time", "s", {"above": 0, "most": 1e9}),
     outputs=Parameter(
         "Number of equal intervals between the output times",
         limits={"least": 1, "most": 10**6},
@@ -148,9 +141,8 @@ def simulate(
         ("method", method, model == "particles"),
     ):
         if value is not None and not used:
-            raise ValueError(
-                f"{name} does not apply to model {model} with joint {joint}; remove it"
-            )
+            which = f"model {model} with joint {joint}"
+            raise ValueError(f"{name} does not apply to {which}; remove it")
     p = scene.constants()
     turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
     turned += abs(scene.starting_speed) * duration
@@ -173,12 +165,9 @@ def simulate(
         blocks = ideal.blocks(scene, times)
     else:
         blocks = events.blocks(scene, packed, times, tolerance)
-    told = (
-        None if gapless else of_joint,
-        scene.restitution,
-        scene.delivered_restitution,
-        None if flexible or gapless else tolerance,
-    )
+    restitution = scene.restitution, scene.delivered_restitution
+    stated = None if flexible or gapless else tolerance
+    told = None if gapless else of_joint, *restitution, stated
     return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
 
 
@@ -199,14 +188,14 @@ def _gather(blocks, scene, law, columns, told, progress):
             raise
         complete, failed = False, error if isinstance(error, MechanismError) else None
     starts = own[:, START].copy()  # of one layout, with impacts or without
-    add_free_durations(starts, impacts, scene.constants(), law)
+    add_free_durations(*(t.view(np.recarray) for t in (starts, impacts)), scene.constants(), law)
     happened = own["time"] <= rows["time"][-1]  # the others are NaN, or come after an interruption
     names = np.broadcast_to(EVENTS, happened.shape)
     own, kinds = own[happened], tuple(names[happened].tolist())
     first = rows["work"][0]
     for table in (own, rows):
         table["work"] -= first
-        add_stored_energy(table, law)
+        add_stored_energy(table.view(np.recarray), law)
     own, rows = (repack_fields(table[list(columns)]) for table in (own, rows))
     impact_rows = np.zeros(len(impacts), response.IMPACT_ROW)
     for name in response.IMPACT_COLUMNS:
@@ -214,7 +203,7 @@ def _gather(blocks, scene, law, columns, told, progress):
     is_sustained = impacts["duration"] > response.SUSTAINED * impacts["free_duration"]
     impact_rows["kind"] = np.where(is_sustained, "sustained", "impact")
     result = Response(rows, impact_rows, own, kinds, complete, *told)
-    if failed is not None:
-        failed.response = result
-        raise failed
-    return result
+    if failed is None:
+        return result
+    failed.response = result
+    raise failed

@@ -1,9 +1,7 @@
 """What the compiled loops of all models share: a state, rows of output, impacts, and their blocks.
 
-Each is a record with named fields. A loop fills rows, which have their times. It ends when all are
-filled, after a number of steps, when the table of impacts is full, or when it fails; the next call
-goes on from the state. Each impact adds three rows of output, as output at equal times
-hides impacts.
+A loop fills rows, which have their times. It ends when all are filled, after a number of steps,
+when the table of impacts is full, or when it fails; the next call goes on from the state.
 """
 
 from collections import namedtuple
@@ -21,21 +19,21 @@ from study.compiled import compiled
 from study.contact.forces import stored_energy
 from study.mechanism.response import EVENTS, IMPACT_COLUMNS, OUTPUT
 
-FINE, FULL, TOO_DEEP, FAILED = range(4)
+FINE, FULL, TOO_DEEP, FAILED = range(4)  # how a loop ends
 PATIENCE = 0.1  # s, after which a compiled loop returns, so that an interruption is noticed
 START, PEAK, END = np.arange(len(EVENTS))
-"""Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `locating`."""
+"""Places of an impact's rows of output, in the order of `EVENTS`; from NumPy, as in `events`."""
 IMPACT = np.dtype([(name, float) for name in (*IMPACT_COLUMNS, "lost_before")])
-"""An impact while it is computed."""
 STATE = [
     *((name, float) for name in ("time", "step", "until", "limit", "approach")),
-    *((name, float) for name in ("lost_damping", "lost_friction", "drive_moment", "drive_work")),
+    *((name, float) for name in ("lost_damping", "lost_friction", "holding", "power", "work")),
     *((name, np.int64) for name in ("steps", "impacts", "current_impact")),
     ("contact", bool),
 ]
 """Fields of every model's state. A loop returns when ``steps``, the number of steps so far, is
-``until``. ``limit`` is what a failure passed, ``impacts`` the number of impacts so far, and
-``current_impact`` the number of the one that is followed."""
+``until``. ``holding`` is the moment that holds a constant crank speed; ``power`` and ``work`` are
+those of the loads without their energies. ``limit`` is what a failure passed, ``impacts`` the
+number of impacts so far, and ``current_impact`` the number of the one that is followed."""
 Block = tuple[NDArray[np.void], NDArray[np.void], NDArray[np.void]]
 """Rows of output so far; the impacts' numbers (`IMPACT`); and their own rows of output, shape
 (impacts, 3), NaN for an end that is still to come."""
@@ -104,10 +102,10 @@ def end_impact(impacts, state, speed):
 
 
 @compiled
-def add_drive_work(state, moment, speed, h):
-    """Keep the moment that holds the crank's speed, and add its work in a step."""
-    state.drive_work += 0.5 * h * (state.drive_moment + moment) * speed
-    state.drive_moment = moment
+def add_work(state, power, h):
+    """Add the work of the loads in a step by the trapezoidal rule, and keep their power."""
+    state.work += 0.5 * h * (state.power + power)
+    state.power = power
 
 
 @compiled
@@ -154,27 +152,27 @@ def advance_in_blocks(
     done, some = 0, 10
     while done < len(rows):
         start, state.until = perf_counter(), state.steps + some
-        filled, status = advance(rows[done:], impacts, events)
+        tables = (table.view(np.recarray) for table in (rows[done:], impacts, events))
+        filled, status = advance(*tables)
         new = structured_to_unstructured(rows[done : done + filled])
         finite = np.isfinite(new).all(axis=1)
         done += int(np.append(finite, False).argmin())
+        taken = perf_counter() - start
         if status == FULL and finite.all():
             more = zip((impacts, events), new_impacts(len(impacts)), strict=True)
             impacts, events = map(np.concatenate, more)
             continue
-        if status != FINE or not finite.all():
-            if done > 0:
-                yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
-            time, what = state.time, "a result is not a finite number"
+        failed = status != FINE or not finite.all()
+        if done > 0 or not failed:
+            yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+        if failed:
+            time = state.time if finite.all() else rows["time"][done]
+            what = f"the penetration depth must stay <= one clearance ({state.limit:g} m)"
             if not finite.all():
-                time = rows["time"][done]
+                what = "a result is not a finite number"
             elif status == FAILED:
                 what = failure.format(state.limit)
-            else:
-                limit = f"{state.limit:g} m"
-                what = f"the penetration depth must stay <= one clearance ({limit})"
             raise MechanismError(
                 f"{what}; the simulation stopped at {time:.9g} s with a step of {state.step:.4g} s"
             )
-        some = 1 + int(some * min(10.0, PATIENCE / (perf_counter() - start)))
-        yield rows[:done], impacts[: state.impacts].copy(), events[: state.impacts].copy()
+        some = 1 + int(some * min(10.0, PATIENCE / taken))

@@ -39,7 +39,7 @@ def test_oscillator_is_the_linearised_equation(pressed):
     reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
     slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
-    rigid.derive(y, piece, p, *rigid.motion(y, piece, p, numbers), slopes)
+    rigid.derive(y, piece, p, rigid.motion(y, piece, p, numbers), slopes)
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
     assert reach > numbers.clearance
     assert slopes[1, 1] == pytest.approx(-(contact_["frequency"] ** 2), rel=1e-4)
@@ -125,7 +125,7 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     numbers, p = explicit.packed(scene, "hertz"), scene.constants()
     (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
     still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
-    rigid.derive(still, piece, p, *rigid.motion(still, piece, p, numbers), slopes)
+    rigid.derive(still, piece, p, rigid.motion(still, piece, p, numbers), slopes)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
     moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
     assert stability.oscillator(scene, "hertz", moving)["friction_rate"] == rate
@@ -354,3 +354,15 @@ def test_steuermann_of_any_order_is_finite_and_settles():
             forces = [contact.Steuermann(n, radius)(0.5, r2_star) for n in (1, 10, 49, 50)]
             assert np.isfinite(forces).all()
             assert forces[3] == pytest.approx(forces[2], rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "order"), [("symplectic Euler", 1), ("velocity Verlet", 2), ("RK4", 4)]
+)
+def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
+    exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
+    assert (exact < 0).all()  # the slider rests, the ball moves
+    how = PAPER, explicit.packed(PAPER, "hertz"), 1.6e-3, 4
+    found = [explicit.integrate(*how, step, scheme)[1] for step in (4e-4, 2e-4)]
+    coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
+    assert np.log2(coarse / fine) > order - 0.4

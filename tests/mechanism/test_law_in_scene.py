@@ -4,11 +4,9 @@ from functools import partial
 
 import pytest
 from helpers.with_hertz import simulate
-from other_programs import odes
 
 from study import contact, mechanism
 from study.joint import Joint, Material
-from study.measure import explicit
 from study.mechanism import Scene, compare, paper_scene
 from study.mechanism.law_in_scene import clearance_joint, of_name
 
@@ -86,26 +84,7 @@ def test_the_default_law_of_a_socket():
     assert of_name(MIXED, wall=5e-3).name == "tabulated"
 
 
-def test_a_packed_law_is_that_of_the_scenes_materials():
-    numbers = [explicit.packed(scene, "stiffened_hertz").tolist() for scene in (PAPER, MIXED)]
-    assert numbers[0] != numbers[1]
-
-
 def test_a_scene_outside_the_range_of_the_default_law_has_its_table():
     scene = Scene(poisson=0.1)
     assert len(mechanism.simulate(scene, law="tabulated", **BRIEF).impacts) == 1
     assert mechanism.simulate(scene, joint="ideal", **BRIEF).law is None
-
-
-def test_other_integrators_begin_where_the_scene_does():
-    scene = PAPER.replace(initial_crank_angle=1.0, initial_crank_speed=30.0)
-    numbers = explicit.packed(scene, "hertz")
-    found, _ = odes.slider_acceleration("DOP853", scene, numbers, 3e-3, 300, 1e-8)
-    ours = simulate(scene, duration=3e-3, outputs=300)
-    assert abs(ours.slider_acceleration).max() > 100
-    scale = 1e-3 * abs(ours.slider_acceleration).max()
-    assert found == pytest.approx(ours.slider_acceleration[1:], abs=scale)
-    _, depth = explicit.integrate(scene, numbers, 3e-3, 300, 1e-6, "RK4")
-    before = ours.time < ours.impacts.time[0]
-    assert before.sum() > 30
-    assert depth[before] == pytest.approx(ours.depth[before], abs=1e-11)

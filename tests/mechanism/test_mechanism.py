@@ -11,11 +11,9 @@ from helpers.scenes import random_scenes
 from helpers.with_hertz import simulate
 from scipy.integrate import solve_ivp
 
-from study import contact, dataset, mechanism, paths
+from study import dataset, mechanism, paths
 from study.contact import LAWS
 from study.contact.damping import DAMPINGS
-from study.joint import Joint
-from study.measure import explicit
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
 from study.mechanism.rigid import ContactState
@@ -62,18 +60,6 @@ def test_ideal_mechanism_is_known_to_1e_9(time):
         known = KNOWN["ideal", f"{quantity}({time:g} s)"]
         assert last[column] == pytest.approx(known, rel=1e-9)
     assert response.energy_error < 1e-11
-
-
-def test_a_joints_own_curve_drives_the_mechanism():
-    curve = Joint.from_ratios(200).solve(depth_star=np.linspace(0.025, 1, 40) ** 2)
-    tabulated, closed = (
-        simulate(law=law, duration=0.02, outputs=200)
-        for law in (contact.Table.of_curve(curve), "stiffened_hertz")
-    )
-    assert len(tabulated.impacts) == len(closed.impacts)
-    first = [response.impacts.peak_force[0] for response in (tabulated, closed)]
-    assert first[0] == pytest.approx(first[1], rel=5e-3)
-    assert max(tabulated.energy_error, closed.energy_error) < 1e-8
 
 
 def test_ideal_joint_force_moves_slider_and_coupler():
@@ -245,15 +231,15 @@ def test_jacobian_is_the_derivative(drive):
     ]
     for y, contact_state in cases:
         k = np.zeros((3, 6))
-        motion, parts = rigid.motion(y, contact_state, p, HERTZ)
-        rigid.derive(y, contact_state, p, motion, parts, k)
+        motion = rigid.motion(y, contact_state, p, HERTZ)
+        rigid.derive(y, contact_state, p, motion, k)
         for j in range(6):
             h = 1e-6 * max(abs(y[j]), 1e-5)
             ends = []
             for sign in (1, -1):
                 moved = y.copy()
                 moved[j] += sign * h
-                ends.append(rigid.motion(moved, contact_state, p, HERTZ)[0].accelerations)
+                ends.append(rigid.motion(moved, contact_state, p, HERTZ).accelerations)
             by_difference = np.subtract(*ends) / (2 * h)
             size = np.abs(k).max(axis=1) * 1e-7 + np.abs(motion.accelerations) * 1e-8 / h
             assert (np.abs(k[:, j] - by_difference) <= size + 1e-4 * np.abs(k[:, j])).all()
@@ -332,6 +318,21 @@ def test_rigid_links_agree_with_another_integrator(start):
     assert ends[:4] == pytest.approx(times, rel=1e-8)
 
 
+def test_a_coupler_that_falls_from_the_horizontal_is_held_by_a_quarter_of_its_weight():
+    for joint in ("ideal", "clearance"):
+        held = PAPER.replace(crank_speed=0.0, gravity=9.81)  # a crank that stays
+        first = simulate(held, joint=joint, duration=1e-5, outputs=1).rows[0]
+        weight = (0.5 if joint == "ideal" else 0.25) * 0.21 * 9.81  # the slide holds its end
+        assert first["crank_joint_force_y"] == pytest.approx(weight, rel=1e-9)
+
+
+def test_effective_mass_at_constant_crank_speed_is_that_of_slider_and_coupler():
+    p = PAPER.replace(crank_speed=1.0).constants()
+    directions = (1.0, 0.0), (0.0, 1.0)  # along the slide, and across it: a rod about its end
+    found = [rigid.inverse_effective_mass(0.0, 0.0, *d, 0.0, p) for d in directions]
+    assert found == pytest.approx([1 / 0.14, 3 / 0.21], rel=1e-12)
+
+
 def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
     scene = PAPER.replace(driving_moment=1e-16)
     response = simulate(scene, duration=1e6, outputs=500)
@@ -340,42 +341,10 @@ def test_slow_scene_down_to_approach_speeds_of_a_nanometre_per_second():
     assert response.energy_error < 1e-6
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-7])
-def test_random_scenes_end_well(tolerance):
-    ended = 0
-    for number, scene in enumerate(random_scenes(100)):
-        law = list(LAWS)[number % len(LAWS)]
-        try:
-            response = simulate(scene, law=law, tolerance=tolerance, outputs=10)
-        except MechanismError as error:
-            assert "depth must stay" in str(error)
-            continue
-        ended += 1
-        assert np.isfinite(response.motion.drop(columns="event").to_numpy()).all()
-        assert (response.impacts.approach_speed > 0).all()
-        assert (response.impacts.duration > 0).all()
-        assert (np.diff(response.impacts.time) > 0).all()
-        assert (response.impacts.peak_depth <= scene.clearance).all()
-        assert response.energy_error < max(1e-9, 100 * tolerance)
-    assert ended > 85
-
-
-def test_mirrored_drive_gives_the_mirrored_motion():
-    up, down = (simulate(PAPER.replace(driving_moment=m), duration=0.02) for m in (0.5, -0.5))
-    assert down.slider_position == pytest.approx(up.slider_position, abs=1e-12)
-    assert down.crank_angle == pytest.approx(-up.crank_angle, abs=1e-10)
-    assert down.eccentricity_y == pytest.approx(-up.eccentricity_y, abs=1e-12)
-
-
 def test_results_do_not_depend_on_the_outputs():
     few, many = simulate(duration=0.02, outputs=8), simulate(duration=0.02, outputs=1024)
     assert (few.rows == many.rows[::128]).all()
     pd.testing.assert_frame_equal(few.impacts, many.impacts)
-
-
-def test_same_inputs_same_numbers():
-    one, two = (simulate(duration=0.01).motion.to_csv() for _ in range(2))
-    assert one == two
 
 
 def test_interruption_leaves_what_was_computed():
@@ -414,17 +383,6 @@ def test_lead_and_last_separation():
     assert shifted == pytest.approx(clearance.crank_angle[k], abs=2e-4)
     ends = clearance.impacts.time + clearance.impacts.duration
     assert clearance.last_separation == ends[7]
-
-
-@pytest.mark.parametrize(
-    ("scheme", "order"), [("symplectic Euler", 1), ("velocity Verlet", 2), ("RK4", 4)]
-)
-def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
-    exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
-    assert (exact < 0).all()  # the slider rests, the ball moves
-    found = [explicit.integrate(PAPER, HERTZ, 1.6e-3, 4, step, scheme)[1] for step in (4e-4, 2e-4)]
-    coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
-    assert np.log2(coarse / fine) > order - 0.4
 
 
 def test_a_response_tells_how_far_it_can_be_trusted():
@@ -477,6 +435,50 @@ def test_agreement_compares_only_impacts_that_have_ended(duration, difference):
 
 
 every_model = pytest.mark.parametrize("model", ["rigid", "particles", "beams"])
+
+
+@pytest.mark.parametrize(
+    ("model", "tolerance", "count"),
+    [
+        ("rigid", 1e-3, 100),
+        ("rigid", 1e-7, 100),
+        pytest.param("particles", None, 20, marks=pytest.mark.slow),
+        pytest.param("beams", None, 20, marks=pytest.mark.slow),
+    ],
+)
+def test_random_scenes_end_well(model, tolerance, count):
+    ended, flexible = 0, model != "rigid"
+    options = {"model": model, "tolerance": tolerance, "outputs": 10}
+    if flexible:
+        options |= {"elements": (2, 4), "duration": 0.02}
+    for number, scene in enumerate(random_scenes(count)):
+        law = "hertz" if flexible else list(LAWS)[number % len(LAWS)]
+        if flexible:  # Newton's method may fail beyond a friction of 0.5
+            scene = scene.replace(friction=0.5 * scene.friction)
+        try:
+            response = simulate(scene, law=law, **options)
+        except MechanismError as error:
+            assert "depth must stay" in str(error)
+            continue
+        ended += 1
+        assert np.isfinite(response.motion.drop(columns="event").to_numpy()).all()
+        assert (response.impacts.approach_speed > 0).all()
+        assert (response.impacts.duration > 0).all()
+        assert (np.diff(response.impacts.time) > 0).all()
+        assert (response.impacts.peak_depth <= scene.clearance).all()
+        assert response.energy_error < (1e-2 if flexible else max(1e-9, 100 * tolerance))
+    assert ended > 0.75 * count
+
+
+@every_model
+def test_mirrored_drive_gives_the_mirrored_motion(model):
+    scene = PAPER.replace(initial_eccentricity=(1e-5, -3e-5))
+    other = scene.replace(initial_eccentricity=(1e-5, 3e-5), driving_moment=-0.5)
+    options = {"model": model, "duration": 0.005, "outputs": 50}
+    up, down = (simulate(of, **options) for of in (scene, other))
+    assert down.slider_position == pytest.approx(up.slider_position, abs=1e-9)
+    assert down.impacts.time[0] == pytest.approx(up.impacts.time[0], rel=1e-6)
+    assert down.crank_angle == pytest.approx(-up.crank_angle, abs=1e-7)
 
 
 @every_model

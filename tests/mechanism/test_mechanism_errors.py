@@ -34,87 +34,47 @@ def at_two_times():
     return (simulate(joint="ideal", duration=1e-3, outputs=n) for n in (10, 20))
 
 
+SOFT = Scene(poisson=0.1)
+LIGHT = PAPER.replace(slider_mass=1e-40)
+FALLING = Scene(gravity=1e6, driving_moment=0.0)  # it turns by gravity alone
+OTHER = replace(BRONZE, poisson=0.3)
+STEADY = PAPER.replace(crank_speed=10.0)
 INPUTS = [
-    (lambda: Scene(crank_length=0.2), "crank_length must be < 0.11995 m, got 0.2 m"),
-    # longer than the coupler less the clearance
+    # at most the length of the coupler less the clearance
     (lambda: Scene(crank_length=0.11996), "crank_length must be < 0.11995 m, got 0.11996 m"),
     (lambda: Scene(slow_speed=0.1), "slow_speed must be < 0.01 m/s, got 0.1 m/s"),
     (lambda: Scene(initial_eccentricity=(3e-5, 4e-5)), "initial_eccentricity must be < 5e-05 m"),
     (lambda: Scene(youngs_modulus=210), "youngs_modulus must be >= 100000 Pa, got 210 Pa: did you"),
-    (
-        lambda: Scene(link_modulus=210),
-        "link_modulus must be >= 100000 Pa, got 210 Pa: did you mean",
-    ),
-    (
-        lambda: PAPER.replace(coupler_inertia=1e-4).link("coupler"),
-        "coupler inertia of a flexible link must be >= 0.000252",
-    ),
-    (
-        lambda: explicit.integrate(PAPER.replace(crank_speed=10.0), None, 1e-4, 10, 1e-6, "RK4"),
-        "crank_speed does not apply to this",
-    ),
+    (lambda: PAPER.replace(coupler_inertia=1e-4).link("coupler"), "link must be >= 0.000252"),
+    (lambda: explicit.integrate(STEADY, None, 1e-4, 10, 1e-6, "RK4"), "crank_speed does not apply"),
     # options of a simulation
     (lambda: simulate(step=1e-6), "step does not apply to model rigid with joint clearance"),
     (lambda: simulate(joint="ideal", tolerance=1e-6), "tolerance does not apply to model rigid"),
     (lambda: simulate(model="beams", method="lagged"), "method does not apply to model beams"),
     (lambda: simulate({}), "scene must be a Scene, got {}"),
-    (
-        lambda: simulate(PAPER.replace(slider_mass=1e-40), model="particles", duration=1e-3),
-        "stability limit must be >= 1e-13 s, got ",
-    ),
-    (
-        lambda: simulate(Scene(crank_length=1e-9)),
-        "crank turns within the duration must be <= 1e+06",
-    ),
-    # it turns by gravity alone
-    (
-        lambda: simulate(Scene(gravity=1e6, driving_moment=0.0), duration=1e3),
-        "crank turns within the duration must be <= 1e+06 rad, got 4.47214e+06 rad",
-    ),
+    (lambda: simulate(LIGHT, model="particles", duration=1e-3), "limit must be >= 1e-13 s, got "),
+    (lambda: simulate(Scene(crank_length=1e-9)), "turns within the duration must be <= 1e+06"),
+    (lambda: simulate(FALLING, duration=1e3), "must be <= 1e+06 rad, got 4.47214e+06 rad"),
     # laws of other joints and materials
     (
         lambda: with_law(ball_radius=9e-3),
-        "clearance in m of the law must be 5e-05, that of the mechanism, got 0.001",
+        "clearance in m of the law must be 5e-05",
     ),
     (lambda: with_law(modulus=1e11), "composite modulus E* in Pa of the law must be 8.04"),
     (with_table, "modulus_ratio of the law must be 0.531400966, that of the mechanism"),
-    (
-        lambda: with_table(ball=STEEL, socket=replace(BRONZE, poisson=0.3)),
-        "socket_poisson of the law must be 0.34, that of the mechanism, got 0.3",
-    ),
-    (
-        lambda: with_table(Scene(socket_radius=20e-3)),
-        "must be 200, that of the joint of the law tabulated, got 400",
-    ),
-    (
-        lambda: with_table(PAPER, 0.25),
-        "law must be valid up to a depth of one clearance, but the law tabulated is valid up to 1",
-    ),
-    (
-        lambda: mechanism.simulate(Scene(poisson=0.1), **BRIEF),
-        "poisson of stiffened_hertz must be >= 0.2 and <= 0.46, got 0.1; use the law tabulated",
-    ),
+    (lambda: with_table(ball=STEEL, socket=OTHER), "socket_poisson of the law must be 0.34, that"),
+    (lambda: with_table(Scene(socket_radius=20e-3)), "must be 200, that of the joint of the law "),
+    (lambda: with_table(PAPER, 0.25), "up to a depth of one clearance, but the law tabulated is"),
+    (lambda: mechanism.simulate(SOFT, **BRIEF), "got 0.1; use the law tabulated"),
     # sockets that a scene cannot have
-    (
-        lambda: of_name(MIXED, "hertz", socket_ratio=1.3),
-        "socket_ratio does not apply to the law hertz; remove it",
-    ),
+    (lambda: of_name(MIXED, "hertz", socket_ratio=1.3), "does not apply to the law hertz; remove"),
     (lambda: of_name(MIXED, "hooke", wall=3e-3), "law must be one of hertz, "),
-    (
-        lambda: of_name(MIXED, wall=3e-3, socket_ratio=1.3),
-        "wall and socket_ratio must not both be given",
-    ),
-    (
-        lambda: of_name(MIXED, socket_ratio=0.9),
-        "wall must be >= 1e-06 and <= 9999.99 m, got -0.001 m",
-    ),
+    (lambda: of_name(MIXED, wall=3e-3, socket_ratio=1.3), "must not both be given"),
+    (lambda: of_name(MIXED, socket_ratio=0.9), "wall must be >= 1e-06 and <= 9999.99 m, got -0.0"),
     (lambda: of_name(MIXED, liner="PTFE"), "liner must be a thickness and a material, for example"),
     # comparisons
     (lambda: compare.agreement(*at_two_times()), "must have the same output times"),
-    (
-        lambda: compare.motion_nrms(*at_two_times(), "crank_angle"),
-        "reference and response must have the same output times",
-    ),
+    (lambda: compare.motion_nrms(*at_two_times(), "crank_angle"), "reference and response must "),
 ]
 
 

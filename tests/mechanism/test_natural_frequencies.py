@@ -3,6 +3,7 @@ and 2, both ends pinned (sin x = 0) or free (cos x cosh x = 1; x is wave number 
 
 import numpy as np
 import pytest
+from helpers.beams import dense
 from scipy.linalg import eigh
 
 from study.mechanism import beams, paper_scene
@@ -37,16 +38,7 @@ def elements_of_beams(elements):
     beams._internal(places, sections, unknowns, force, stiffness, 1.0)
     mass, _ = beams._mass_and_weight(sections, unknowns, size, 0.0)
     across = np.append(unknowns[:, 1:3].ravel(), unknowns[-1, 4:6])
-    return tuple(unbanded(band)[np.ix_(across, across)] for band in (stiffness, mass))
-
-
-def unbanded(band):
-    """The square matrix of a band."""
-    size = len(band)
-    full = np.zeros((size, size + 2 * beams.BAND))
-    for i in range(size):
-        full[i, i : i + 2 * beams.BAND + 1] = band[i]
-    return full[:, beams.BAND : -beams.BAND]
+    return tuple(dense(band)[np.ix_(across, across)] for band in (stiffness, mass))
 
 
 def errors(matrices, ends):

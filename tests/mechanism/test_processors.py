@@ -28,7 +28,6 @@ pytestmark = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("processor", "names"),
     [

@@ -12,8 +12,8 @@
 #include <sunmatrix/sunmatrix_dense.h>
 
 typedef struct { /* as study.mechanism.scene.Constants */
-    double l1, l2, a11, a22, a12, m2, m3, moment, g1, g2, gravity, r1, clearance, damping;
-    double friction, v0, v1, steady;
+    double l1, l2, a11, a22, a12, m2, m3, moment, g1, g2, r1, clearance, damping;
+    double friction, v0, v1, steady, gravity;
 } Constants;
 
 typedef struct {
