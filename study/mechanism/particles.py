@@ -317,9 +317,9 @@ def blocks(
 ) -> Iterator[stepping.Block]:
     """Blocks of output rows at equally spaced ``times`` of the scene with links of particles.
 
-    The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step``
-    seconds divide the time between outputs. One above the stability limit is a ``ValueError``,
-    unless ``unguarded``. The default is half the limit, with clearance that at a depth of it.
+    The law is packed; ``ideal`` fixes the ball to the slider. Equal steps of at most ``step`` s
+    divide the time between outputs; above the stability limit they are a ``ValueError``, unless
+    ``unguarded``. The default is half the limit; in a clearance joint, at a depth of one clearance.
     """
     frame, p = Frame(scene, elements), scene.constants()
     frequency = frame.highest_frequency(scene.slider_mass if ideal else 0.0, ideal)
