@@ -269,13 +269,20 @@ def _pivoted(joint, pair, depth):
 
 
 def _depth_under(joint, pairs, force):
-    """Depth_star under a force_star, by Newton's method in logarithms, within a bracket."""
-    low, high = 0.0, float(largest_depth(joint.r2_star))
-    depth, borne = min((force / hertz_factor(joint.r2_star)) ** (2 / 3), high / 2), 0.0
+    """Depth_star under a force_star, by Newton's method in logarithms, within a bracket.
+
+    The first guess is Hertz's, which may be too small to be resolved where the wall yields.
+    """
+    low, high, borne, small = 0.0, float(largest_depth(joint.r2_star)), 0.0, None
+    depth = min((force / hertz_factor(joint.r2_star)) ** (2 / 3), high / 2)
     for _ in range(_STEPS):
         meshed = [NestedContacts(joint, *pair, depth) for pair in pairs]
         if depth <= meshed[1].depth[0]:
-            raise unresolved(depth, meshed[0].angles)
+            small = unresolved(depth, meshed[0].angles)
+            if high < 1.01 * depth:
+                raise small
+            low, depth = depth, min(4 * depth, (depth + high) / 2)
+            continue
         found = _contact(joint, pairs, meshed, depth, None)
         if abs(found.force / force - 1) < _TOLERANCE:
             return depth
@@ -288,6 +295,8 @@ def _depth_under(joint, pairs, force):
             depth = (low + high) / 2
         if high < low * (1 + 1e-9):
             break
+    if borne == 0 and small is not None:
+        raise small
     raise checks.RangeError(
         f"force must be <= {joint.force_unit * borne:.6g} N, got {joint.force_unit * force:g} N; "
         "beyond this the contact would reach the rim of the socket"
