@@ -1,8 +1,8 @@
 """Ball pressed into the socket along its axis: two elastic bodies and a gap become a solution.
 
-For every depth the contact pressure p solves a complementarity problem on the contact arc,
+For every depth the contact pressure p solves a complementarity problem on the contact arc::
 
-    p >= 0,  w = A p + gap(depth) >= 0,  p w = 0,
+    p >= 0,    w = A p + gap(depth) >= 0,    p w = 0
 
 in the weak (Galerkin) sense of the pressure's hat functions: A is the sum of the flexibilities of
 ball and socket, and w the gap that is left, both integrated with the hats. The contact is elastic

@@ -2,9 +2,9 @@
 
 A pressure p_m(theta) cos(m phi) displaces a body by u_r cos(m phi), u_phi sin(m phi) and
 u_z cos(m phi), so that each mode m is one problem in the meridian (Wilson, AIAA J. 3 (1965) 2269):
-for all displacements v, per radian of phi,
+for all displacements v, per radian of phi::
 
-    integral of eps_m(u) . D eps_m(v) r dr dz  =  - integral of p_m (n . v) r ds over the surface.
+    integral of eps_m(u) . D eps_m(v) r dr dz  =  - integral of p_m (n . v) r ds over the surface
 
 D is Hooke's law, and the strains eps_m = eps_0 + m eps_1 are linear in m (`_strains`). The
 stiffness of every mode is therefore K_00 + m (K_01 + K_10) + m^2 K_11, with three assemblies.

@@ -2,12 +2,12 @@
 
 The bodies are bodies of revolution about the socket's axis (`study.joint.surface`). The centre of
 the ball is displaced by e = (1 + depth_star)/R2* d, where d is a direction off that axis. Along the
-outward normal n of the socket, the ball ends at the distance
+outward normal n of the socket, the ball ends at the distance::
 
-    r(n) = n . e + sqrt(R1^2 - e . e + (n . e)^2),    so that the gap is (1 - r(n)) R2*.
+    r(n) = n . e + sqrt(R1^2 - e . e + (n . e)^2),    so that the gap is (1 - r(n)) R2*
 
 The pressure p is a sum of hat functions h_i of the socket's nodes, symmetric about the plane of d
-and the axis. As along the axis, pressure and gap are complementary in the weak sense:
+and the axis. As along the axis, pressure and gap are complementary in the weak sense::
 
     p_i >= 0,    w_i = A_ij p_j + g_i >= 0,    p_i w_i = 0,
 
