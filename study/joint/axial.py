@@ -7,7 +7,7 @@ For every depth the contact pressure p solves a complementarity problem on the c
 in the weak (Galerkin) sense of the pressure's hat functions: A is the sum of the flexibilities of
 ball and socket, and w the gap that is left, both integrated with the hats. The contact is elastic
 and without friction. `study.joint.kinematics` says which points face each other, and
-`study.joint.nested` solves all depths with one factor of A. Two meshes are solved, and their
+`study.joint.nested` solves all depths with few factors of A. Two meshes are solved, and their
 forces, which have errors of order 2, are extrapolated.
 
 Lengths are in socket radii R2 and pressures in E* dR/R2 inside this module.
@@ -77,7 +77,7 @@ def solve(
     solver, resolution = settings(joint, solver, resolution)
     pairs, depths = meshes(joint, solver, resolution), asked
     if is_force:
-        depths = np.array([_depth_under(joint, pairs, force) for force in asked])
+        depths = np.array([_depth_under(joint, pairs, force, solver) for force in asked])
     checks.number("depth_star", depths, below=largest_depth(joint.r2_star))
     fine, coarse = meshed = [NestedContacts(joint, *pair, depths.max()) for pair in pairs]
     if (unseen := depths <= coarse.depth[:1]).any():
@@ -132,7 +132,7 @@ def depths_of_curve(joint: JointDescription, deepest: float, resolution: int | N
 def at_nodes(
     joint: JointDescription, deepest: float = 1.0, resolution: int | None = None
 ) -> Solution | None:
-    """Forces where nodes of the finer mesh close, up to a depth_star, in about 10 ms.
+    """Forces where nodes of the finer mesh close, up to a depth_star; 10 ms for known bodies.
 
     They are dense where the contact grows fast, and have no pressures. None if contacts are not
     nested up to this depth.
@@ -140,13 +140,16 @@ def at_nodes(
     depths_of_curve(joint, deepest, resolution)  # checked
     solver, resolution = settings(joint, None, resolution)
     pairs = meshes(joint, solver, resolution)
-    fine, coarse = (NestedContacts(joint, *pair, deepest) for pair in pairs)
-    if min(fine.depth[-1], coarse.depth[-1]) < deepest:
+    fine, coarse = meshed = [NestedContacts(joint, *pair, deepest) for pair in pairs]
+    if not all(of.is_nested and of.depth[-1] > deepest for of in meshed):
         return None
     depths = fine.depth[(fine.depth > coarse.depth[_FIRST // 4]) & (fine.depth < deepest)]
     depths = np.append(depths, deepest)
     of_fine, of_coarse = fine.at(depths), coarse.at(depths)
     force, stiffness, half_angle = of_fine + (of_fine - of_coarse) / 3
+    error = np.abs(of_fine[0] - of_coarse[0]) / force
+    # the parts of the error, which may cancel each other, are known at the last depth
+    parts = _contact(joint, pairs, meshed, deepest, solver).error / error[-1]
     return Solution(
         joint=joint,
         solver=solver,
@@ -155,7 +158,7 @@ def at_nodes(
         force_star=force,
         stiffness_star=stiffness,
         contact_half_angle_deg=np.degrees(half_angle),
-        error_estimate=np.abs(of_fine[0] - of_coarse[0]) / force,
+        error_estimate=max(parts, 1.0) * error,
     )
 
 
@@ -228,15 +231,18 @@ def _contact(joint, pairs, meshed, depth, solver):
         force, stiffness, half_angle = of_fine + (of_fine - of_coarse) / 3
         if solver == "linear":  # of the finer mesh, to show what it gives
             force = meshed[0].resultant(fine)
+        # below the first closure depth of the coarser mesh both only follow Hertz's law
         change = of_fine[0] - of_coarse[0]
+        unseen = max(0.0, 1 - np.sqrt(depth / meshed[1].depth[1]))
     else:
+        unseen = 0.0
         (fine, force), (coarse, other) = (_pivoted(joint, pair, depth) for pair in pairs)
         nearby = [_pivoted(joint, pairs[0], depth * s)[1] for s in (1 - _NEAR, 1 + _NEAR)]
         stiffness = np.diff(nearby)[0] / (2 * _NEAR * depth)
         last = np.flatnonzero(fine)[-1]
         half_angle, change = meshed[0].angles[last : last + 2].mean(), force - other
     of_bodies = stiffness * _body_changes(joint, pairs, coarse)
-    error = (np.abs(of_bodies).sum() + abs(change - of_bodies.sum())) / force
+    error = unseen + (np.abs(of_bodies).sum() + abs(change - of_bodies.sum())) / force
     return AxialContact(force, stiffness, half_angle, error, _peak_error(fine, coarse), fine)
 
 
@@ -268,7 +274,7 @@ def _pivoted(joint, pair, depth):
     return pressure, joint.r2_star * float(axial @ pressure)
 
 
-def _depth_under(joint, pairs, force):
+def _depth_under(joint, pairs, force, solver):
     """Depth_star under a force_star, by Newton's method in logarithms, within a bracket.
 
     The first guess is Hertz's, which may be too small to be resolved where the wall yields.
@@ -277,20 +283,21 @@ def _depth_under(joint, pairs, force):
     depth = min((force / hertz_factor(joint.r2_star)) ** (2 / 3), high / 2)
     for _ in range(_STEPS):
         meshed = [NestedContacts(joint, *pair, depth) for pair in pairs]
-        if depth <= meshed[1].depth[0]:
+        if (depth <= meshed[1].depth[:1]).any():
             small = unresolved(depth, meshed[0].angles)
             if high < 1.01 * depth:
                 raise small
             low, depth = depth, min(4 * depth, (depth + high) / 2)
             continue
-        found = _contact(joint, pairs, meshed, depth, None)
+        found = _contact(joint, pairs, meshed, depth, solver)
         if abs(found.force / force - 1) < _TOLERANCE:
             return depth
         if found.force > force or found.pressure[-2:].any():
             high = depth
         else:
             low, borne = depth, found.force
-        depth *= (force / found.force) ** (found.force / (found.stiffness * depth))
+        if min(found.force, found.stiffness) > 0:
+            depth *= (force / found.force) ** (found.force / (found.stiffness * depth))
         if not low < depth < high:
             depth = (low + high) / 2
         if high < low * (1 + 1e-9):

@@ -1,4 +1,4 @@
-"""Contacts that grow from the pole, all of them from one Cholesky factor.
+"""Contacts that grow from the pole, all of them from three Cholesky factors.
 
 A deeper contact contains every shallower one, so that the leading part of one factor is the factor
 of a smaller contact. A node's closure depth is the depth at which the contact's edge reaches it.
@@ -37,7 +37,7 @@ _ZERO = 1e-3  # of the largest pressure, or of the depth: less may be the parabo
 class NestedContacts:
     """Contacts that end at the nodes of one mesh, up to a depth and somewhat beyond.
 
-    The matrix, and the gap beside its parabola, change with the depth by terms of order 1/R2*. They
+    The matrix and the three factors of the gap change with the depth by terms of order 1/R2*. They
     are made at three depths, and a parabola leads to all others.
 
     Attributes
@@ -96,7 +96,7 @@ class NestedContacts:
         return sum(weight * value for weight, value in zip(weights, values, strict=True))
 
     def at(self, depths: Floats) -> Floats:
-        """Forces, stiffnesses and half-angles in rad at depths up to the last one, shape (3, k)."""
+        """Forces, stiffnesses and half-angles in rad at depths up to the last one, (3, ...)."""
         root = np.sqrt(depths)
         factor, slope = self._stiffening(root), self._stiffening(root, 1)
         force, stiffness = depths * root * factor, root * 1.5 * factor + depths * slope / 2

@@ -91,8 +91,7 @@ def added(curve: Solution) -> Solution:
         place[np.isclose(radius, outer, atol=0)] = "outside"
         if body == "ball" and support.outline.core:
             place[np.isclose(radius, support.outline.core, atol=0)] = "at the core"
-        over_peak = np.divide(stress, peak, out=np.zeros_like(stress), where=peak > 0)
-        by_body[body] = LargestStress(stress, over_peak, radius, angle, tuple(place.tolist()))
+        by_body[body] = LargestStress(stress, stress / peak, radius, angle, tuple(place.tolist()))
     return replace(curve, stress=by_body)
 
 

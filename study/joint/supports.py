@@ -77,7 +77,7 @@ class BallSupport(_Support):
 
     is_half: ClassVar[bool] = False
     is_symmetric: ClassVar[bool] = False
-    """Whether the mirror image about the equator of the ball would be held in the same way."""
+    """Whether the equatorial plane of the ball acts as a mirror."""
 
     @property
     def outline(self) -> Outline:

@@ -56,6 +56,7 @@ _GROWTH_AT_EDGE = np.sqrt(2)  # of the pressure at a rigid punch's edge, on elem
 _BEYOND = 8.0  # minimum deg by which the ball's nodes go on beyond the rim
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
+_WHOLE = 1e-9  # share of a hat: the ball may leave out less than this
 _FITTED, _WINDOW = 8, 0.5  # nodes, and mean radii of the contact, of a parabola at the maximum
 
 
@@ -111,15 +112,12 @@ def depths_of_curve(joint: JointDescription, deepest: float, resolution: int | N
 
 def _checked(joint, asked, tilt, resolution):
     """As many tilts as depths or forces, and the resolution; refuses unsuited joints."""
-    support, opening = joint.ball_support, joint.opening
-    if support.is_half:
+    if joint.ball_support.is_half:
         raise checks.RangeError(
             "ball_support under a tilted load must be core:NUMBER, neck:NUMBER, bore:NUMBER,NUMBER "
-            f"or pin:NUMBER,NUMBER, which hold a whole ball, got {support}"
+            f"or pin:NUMBER,NUMBER, which hold a whole ball, got {joint.ball_support}; half a ball "
+            "can be loaded along the axis only"
         )
-    least = support.outline.surface[0] if opening.is_ring else 0.0
-    name = f"first angle of opening with ball_support {support}"
-    checks.number(name, opening.first, "deg", least=least)
     tilts = np.atleast_1d(checks.number("tilt", tilt, "deg", least=0, most=LARGEST_TILT))
     if tilts.shape not in ((1,), asked.shape):
         wanted = "tilt must be one number or as many as there are depths or forces"
@@ -177,7 +175,7 @@ def _sought(grids, force, tilt, displacement, tolerance):
     if isinstance(refused, UnresolvedError):
         raise refused
     raise checks.RangeError(
-        "force must be one that the ball bears inside the rim, got "
+        "force must be one that the contact transmits inside the rim, got "
         f"{force * joint.force_unit:g} N at a tilt of {tilt:g} deg"
     )
 
@@ -326,8 +324,20 @@ class Contacts:
                 "depth_star must be so large that the elements resolve the contact, got "
                 f"{depth:.3g}: take a larger depth or a finer resolution"
             )
+        nodes = touching.nodes[touching.active]
+        if (gap.size[nodes] < (1 - _WHOLE) * self.socket.areas[nodes]).any():
+            raise self._outside(depth, tilt)
         is_symmetric = self.joint.is_plane_of_symmetry(tilt)
         return self._contact(gap, touching, _NEAR * depth, is_symmetric)
+
+    def _outside(self, depth, tilt):
+        """Error of a contact that reaches what is not the ball's spherical surface."""
+        first, last = self.joint.ball_support.outline.surface
+        return checks.RangeError(
+            "tilt and depth_star must keep the contact on the surface of the ball, which ends at "
+            f"polar angles of {first:g} and {last:g} deg, got a tilt of {tilt:.4g} deg and a "
+            f"depth_star of {depth:.3g}; take a smaller depth, or a tilt closer to its middle"
+        )
 
     def _gap(self, depth, tilt):
         """Where the surfaces face each other, and how far they are apart: see the module."""
@@ -346,22 +356,19 @@ class Contacts:
         place = np.arccos(np.clip(normal[:, 2], -1, 1)), np.arctan2(normal[:, 1], normal[:, 0])
         met = self.ball.grid.faces(place[0])
         if (gap[~met] < 0).any():
-            raise checks.RangeError(
-                "depth_star must keep the ball's neck, faces and back out of the opening, got "
-                f"{depth:g}"
-            )
+            raise self._outside(depth, tilt)
         weighted = scipy.sparse.csr_array((self.hats * (self.area * met)[:, None]).T)
         return _Gap(
-            axes,
-            weighted,
-            weighted.sum(axis=1),
-            weighted @ self.hats,
-            weighted @ gap,
-            normal,
-            closing,
-            turning,
-            acted_on,
-            weighted @ self.ball.grid.values(*place),
+            axes=axes,
+            weighted=weighted,
+            size=weighted.sum(axis=1),
+            mass=weighted @ self.hats,
+            gap=weighted @ gap,
+            normal=normal,
+            closing=closing,
+            turning=turning,
+            acted_on=acted_on,
+            moved=weighted @ self.ball.grid.values(*place),
         )
 
     def _touching(self, gap, overlap):
