@@ -479,19 +479,31 @@ def _stiffness(gap, touching, step):
 
     The change of the pressure is a difference over displacements by ``step`` to both sides, in
     which the edge of the contact moves by about an element: with the edge held, a derivative jumps
-    by some percent from one node at the edge to the next. To it comes the change of the normals.
-    What faces each other is taken as constant, which neglects terms of order 1/R2*.
+    by some percent from one node at the edge to the next. Which nodes touch after the displacement
+    follows from the rates of pressure and gap. To it comes the change of the normals. What faces
+    each other is taken as constant, which neglects terms of order 1/R2*.
     """
+    _, matrix, pressure, active = touching
     weighted, before, columns = gap.weighted[touching.nodes], gap.gap[touching.nodes], []
-    closing = weighted @ gap.closing
-    for k in (0, 1):
-        further, back = (
-            complementarity.solve(touching.matrix, before - s * closing[:, k], touching.active)[0]
-            for s in (step, -step)
-        )
-        change = gap.normal.T @ ((further - back) / (2 * step) @ weighted)
-        columns.append(gap.axes @ (change + gap.turning[k].T @ (touching.pressure @ weighted)))
+    closing, left = weighted @ gap.closing, before + matrix @ pressure
+    rates = _pressures(matrix, -closing, active)
+    for k, rate in enumerate(rates.T):
+        found = []
+        for s in (step, -step):
+            opening = left + s * (matrix @ rate - closing[:, k])
+            touches = np.where(active, pressure + s * rate > 0, opening < 0)
+            found.append(_pressures(matrix, before - s * closing[:, k], touches))
+        change = gap.normal.T @ ((found[0] - found[1]) / (2 * step) @ weighted)
+        columns.append(gap.axes @ (change + gap.turning[k].T @ (pressure @ weighted)))
     return np.array(columns).T
+
+
+def _pressures(matrix, gap, touches):
+    """Pressures that close the gaps of the nodes that touch; shape of ``gap``."""
+    pressure = np.zeros_like(gap)
+    factor = scipy.linalg.cho_factor(matrix[np.ix_(touches, touches)])
+    pressure[touches] = scipy.linalg.cho_solve(factor, -gap[touches])
+    return pressure
 
 
 def _edges(angles, pressure, grid):
