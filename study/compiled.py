@@ -3,8 +3,7 @@
 numba keeps the loops in a folder that is named by one hash of the code, because its own cache
 checks the file of a function, but not those of the functions that it calls. A change of any file in
 `study.contact` or `study.mechanism` therefore compiles all loops again. A checkout has the cache in
-``build/``, an installed package in the user's cache folder. If the folder cannot be written to,
-every process compiles.
+``build/``, an installed package in the user's cache folder.
 """
 
 import os
@@ -40,10 +39,7 @@ def inner(function: Callable) -> Any:
 
 
 def inlined(function: Callable) -> Any:
-    """Compile an `inner` function as a part of those that call it.
-
-    It is for small functions that return tuples: to pass these takes longer than to compute them.
-    """
+    """Compile an `inner` function into those that call it: to pass a tuple would take longer."""
     return compiled(function, forceinline=True, no_cpython_wrapper=True)
 
 
@@ -58,10 +54,9 @@ def folder() -> Path:
 
 @cache
 def _is_usable(kept: Path) -> bool:
-    """Whether the cache can be written to; a damaged one is removed, which numba would not read.
+    """Whether the cache can be written to; a damaged file is removed, which numba would not read.
 
-    Its files are pickles, which begin with 0x80 and end with a full stop. Files that were cut off
-    or overwritten do not.
+    A whole one is a pickle, which begins with 0x80 and ends with a full stop.
     """
     try:
         kept.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ motion is free of strain. The shear compliance includes the residual bending fle
 1978), with which the nodal stiffness of a straight element is exact.
 
 With the unknowns q of all nodes and of the slider, the weak form is, for all dq that leave the held
-unknowns as they are,
+unknowns as they are::
 
     dq . (M q'' + f(q, q')) = 0
     dq . f = sum over elements of L (n d(stretch) + v d(slide) + m d(bend))  -  work of the weights

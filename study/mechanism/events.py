@@ -1,7 +1,7 @@
 """Stepping rigid links: smooth motion between located events.
 
 The joint is in flight or in contact, and a contact is in one of five friction regimes, -2 to 2.
-This contact state changes at events, where an event function turns positive:
+This contact state changes at events, where an event function turns positive::
 
     state    event                              event function    next state
     flight   the surfaces meet                  depth             contact, if depth' > 0

@@ -2,18 +2,18 @@
 
 The crank has the angle theta from +x, and the coupler phi; st, ct, sp, cp are their sines and
 cosines. With the eccentricity e = (e_x, e_y), the vector from the centre of the socket to that of
-the ball at the coupler's end, and the slider's position x, the chain of the links is
+the ball at the coupler's end, and the slider's position x, the chain of the links is::
 
     l1 ct + l2 cp = x + e_x,    l1 st + l2 sp = e_y,    cp > 0.
 
 There are three degrees of freedom: theta, and two coordinates of the joint. These are e_x and e_y
-in flight, and in contact the depth |e| - clearance and the direction of e. With the depth as a
+in flight, and in contact the depth ``|e| - clearance`` and the direction of e. With the depth as a
 variable nothing cancels, and the stiff direction is a coordinate, which allows longer steps. A
 state is z = (theta, two coordinates), z', and `INTEGRALS` over time.
 
 Crank and coupler are a double pendulum with an ideal joint between them. The clearance joint exerts
 a force (f_x, f_y) on the ball and a moment R1 T on the coupler, where T is the tangential force.
-With loads M on the crank and S on the slider (`study.mechanism.loads`) and d = theta - phi,
+With loads M on the crank and S on the slider (`study.mechanism.loads`) and d = theta - phi::
 
     a11 theta'' + a12 cos(d) phi'' = q1 = M - a12 sin(d) phi'^2 + l1 (ct f_y - st f_x) - g1 ct
     a12 cos(d) theta'' + a22 phi'' = q2 = a12 sin(d) theta'^2 + l2 (cp f_y - sp f_x) + R1 T - g2 cp
