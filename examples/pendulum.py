@@ -13,8 +13,7 @@ from math import inf, isnan, nan
 import numpy as np
 
 from study.contact import DimensionalLaw
-from study.contact.damping import damping_factor
-from study.contact.forces import friction_factor, friction_regime
+from study.contact.forces import damping_factor, friction_factor, friction_regime
 from study.joint import Joint
 
 SPEEDS = 1e-4, 0.01  # m/s: no friction below the first, full friction above the second

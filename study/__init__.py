@@ -14,9 +14,6 @@ A joint with dimensions, in SI units:
 >>> bronze = Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
 >>> print(f"{bronze.solve(force=3000).depth[0]:.4g} m")
 4.232e-06 m
->>> law = bronze.law("stiffened_hertz")
->>> print(f"{law.force(4.19e-6):.0f} N, {law.stiffness(4.19e-6):.3g} N/m")
-2949 N, 1.18e+09 N/m
 
 A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2), and its laws:
 
@@ -28,12 +25,6 @@ A joint made from ratios, with normalised depths d/dR and forces P/(E* dR^2), an
 >>> laws = compare_laws(Joint.from_ratios(75, socket_ratio=1.4), deepest=0.5)
 >>> print(laws[laws.error_bound <= 0.02].law.iloc[0])  # the cheapest one
 stiffened_hertz
-
-The cached curves of the dataset:
-
->>> from study import dataset
->>> len(dataset.load(r2_star=200, kinematics="linear"))
-1432
 
 The crank-slider with a law by name, a joint with dimensions, or values of a function as its law:
 

@@ -17,9 +17,7 @@ from numpy.typing import ArrayLike
 T = TypeVar("T")
 
 SOFTEST = 1e5
-"""Minimum Young's modulus of a body with dimensions, in Pa: that of soft rubber. Every modulus in
-GPa is a smaller number, and so is every one in MPa except that of diamond."""
-
+"""Minimum Young's modulus in Pa, that of soft rubber. In GPa every modulus is a smaller number."""
 
 LIMITS = {
     "above": (">", np.greater),
@@ -58,14 +56,7 @@ def number(
     """Return ``value``, in ``unit``, as a float, or as an array of floats unless ``scalar``.
 
     The ``limits`` are some of `LIMITS`: ``above`` and ``below`` are open, ``least`` and ``most``
-    closed.
-
-    Raises
-    ------
-    ValueError
-        If any element is not a finite number, or is masked.
-    RangeError
-        If any is outside the limits.
+    closed. Raises `RangeError` if any element is outside, or ``ValueError`` if it is not finite.
     """
     try:
         array = np.asarray(value)
@@ -98,31 +89,8 @@ def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     return int(checked)
 
 
-def several(
-    name: str,
-    values: Any,
-    check: Callable[..., Any] = number,
-    *given: Any,
-    fewest: int = 1,
-    **limits: Any,
-) -> list[Any]:
-    """Return a list of ``fewest`` values or more, each checked, for example by `number`."""
-    if not isinstance(values, list | tuple) or len(values) < fewest:
-        wanted = "one value" if fewest == 1 else f"{fewest} values"
-        raise ValueError(f"{name} must be a list of {wanted} or more, got {shown(values)}")
-    return [check(name, value, *given, **limits) for value in values]
-
-
-def poisson(name: str, value: Any) -> float:
-    """Return a Poisson's ratio inside the open range (-1, 0.5), or raise ``ValueError``."""
-    return number(name, value, above=-1.0, below=0.5, scalar=True)
-
-
 def youngs_modulus(name: str, value: Any) -> float:
-    """Return a Young's modulus in Pa, at least `SOFTEST`, or raise ``ValueError``.
-
-    A smaller value is probably meant in GPa or MPa; the message then suggests the value in Pa.
-    """
+    """Return a Young's modulus in Pa; the error of one in GPa or MPa suggests the value in Pa."""
     try:
         return number(name, value, "Pa", least=SOFTEST, scalar=True)
     except RangeError as error:
@@ -152,13 +120,7 @@ _WITH_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)",
 
 
 def exponent_of(text: str, unit: str) -> int | None:
-    """Power of ten of a unit with a prefix, such as mm, in terms of an SI unit; None of another.
-
-    Examples
-    --------
-    >>> exponent_of("mm", "m"), exponent_of("GPa", "Pa"), exponent_of("inch", "m")
-    (-3, 9, None)
-    """
+    """Power of ten of a unit with a prefix, such as mm, in terms of an SI unit; None of another."""
     base, own = (unit[1:], 3) if unit.startswith("kg") else (unit, 0)
     prefix = text.removesuffix(base)
     if not base or prefix == text or prefix not in PREFIXES:

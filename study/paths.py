@@ -33,18 +33,12 @@ WRITE_VARIABLE, READ_VARIABLE = "STUDY_RESULTS", "STUDY_READS"
 def require_checkout(folder: Path) -> None:
     """Raise `StudyError` where the package is installed without the project around it."""
     if not IS_CHECKOUT:
-        what = f"{folder.name}/ is not part of the installed package"
-        raise StudyError(
-            f"this command requires a checkout of the project, because {what}; clone the "
-            "repository and install from there"
-        )
+        said = "this command requires a checkout of the project, which contains"
+        raise StudyError(f"{said} {folder.name}/; clone the repository and install from there")
 
 
 def read_result(name: str) -> Path:
-    """File of a result that a notebook reads from another one.
-
-    A job of the workflow reads what was made (`RESULTS`); elsewhere it is the accepted file.
-    """
+    """File of a result: in a job of the workflow that which was made, elsewhere the accepted."""
     return Path(os.environ.get(READ_VARIABLE, FIGURES)) / name
 
 
@@ -76,6 +70,8 @@ def whole(path: Path) -> Iterator[Path]:
 
     An ``OSError``, such as that of a full disk, names ``path``.
     """
+    if path.exists() and not path.is_file():  # such as /dev/null
+        raise ValueError(f"a file to write must be a regular file, got {path}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with scratch(path.parent) as folder:

@@ -151,7 +151,7 @@ def composite_modulus(
     compliance = 0.0
     for body, (modulus, poisson) in bodies.items():
         e = checks.number(f"{body} Young's modulus", modulus, "Pa", above=0, scalar=True)
-        nu = checks.poisson(f"{body} Poisson's ratio", poisson)
+        nu = checks.number(f"{body} Poisson's ratio", poisson, above=-1, below=0.5, scalar=True)
         compliance += (1 - nu**2) / e
     return 1 / compliance
 

@@ -12,12 +12,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from study.compiled import one_thread
 from study.contact import Hertz
 from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
 from study.joint import Joint, Material
 from study.joint.axial import at_nodes
 from study.joint.supports import PLATES, RIMS
-from study.threads import one_thread
 
 Logarithms = Sequence[NDArray[np.float64]]
 LIMITS = dict(zip(DEGREES, (9, 5, 6, 10, 1), strict=True))

@@ -5,8 +5,8 @@ error of the law relative to the elastic solution. A law k depth^n is exported a
 other as a table of force/depth^1.5: a cubic Hermite spline over the root of the depth. A joint
 without dimensions has depths in clearances and forces in E* dR^2.
 
-The texts are templates in this folder, by the language: ``power.c``, ``table.c`` and so on. The C
-function is C89 and needs the standard library only; the MATLAB function also runs in GNU Octave.
+The texts are templates in this folder, such as ``power.c``. The C function is C89, and the MATLAB
+function also runs in GNU Octave.
 """
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
@@ -35,22 +35,14 @@ from study.joint.tilted import LARGEST_TILT
 
 Format = Literal["c", "matlab", "modelica", "csv", "exudyn", "adams", "mujoco"]
 FORMATS = get_args(Format)
-DIMENSIONLESS = ("c", "matlab", "csv")
-"""Formats that are possible for a joint without dimensions."""
-SHALLOWEST = 0.005
-"""Minimum depth_star of the stated error: below it, the force is below 1/1000 of that at 0.5."""
-KNOTS = 65, 129, 257, 513, 1025
-"""Knots of a table: 65 for the closed-form laws, and more until the table follows the law."""
-FOLLOWS = 5e-7
-"""Maximum relative error of a table between its knots, relative to the law."""
-TENDONS = 0.0, 0.004, 0.08
-"""Depths where the tendons of MuJoCo begin, divided by the maximum depth of the export."""
-FIRST = 0.001
-"""Minimum depth_star of the error of the tendons of MuJoCo."""
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
-"""Names of functions and elements that are valid in every language."""
-TURNED = 10.0
-"""Angle in deg by which the tilt of an export is changed to state the change of the force."""
+DIMENSIONLESS = ("c", "matlab", "csv")  # also for a joint without dimensions
+SHALLOWEST = 0.005  # minimum depth_star of the error: there the force is < 1/1000 of that at 0.5
+KNOTS = 65, 129, 257, 513, 1025  # of a table: more until it follows the law
+FOLLOWS = 5e-7  # maximum relative error of a table between its knots, relative to the law
+TENDONS = 0.0, 0.004, 0.08  # where those of MuJoCo begin, divided by the maximum depth
+FIRST = 0.001  # minimum depth_star of the error of the tendons
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")  # which is valid in every language
+TURNED = 10.0  # deg, by which the tilt is changed to state the change of the force
 COARSE = 32  # elements along a quarter circle for this change
 ROWS = 400  # of a CSV after its first, by default, in equal steps of sqrt(depth_star)
 WIDTH = 92
@@ -79,9 +71,8 @@ def export(
     law
         Name of a law, or a law itself, as of `study.joint.Joint.law`.
     form
-        A function (``c``, ``matlab`` for MATLAB and Octave, or ``modelica``, with a component), a
-        table of the force over the depth (``csv``), or an element of a program: the hollow sphere
-        or a user function of `Exudyn`_, IMPACT of Adams, or a tendon of MuJoCo.
+        A function (``c``, ``matlab`` or ``modelica``), a table of the force over the depth
+        (``csv``), or an element of Exudyn, Adams or MuJoCo.
     joint
         The joint. For Modelica, Exudyn, Adams and MuJoCo it must not be made from ratios.
     depth_star
@@ -89,34 +80,26 @@ def export(
         which ``power`` and the cubics of MuJoCo are fitted and errors are stated. The default
         maximum is 1, or less if the contact cannot be so deep; for ``power`` 0.05 and 0.5.
     tilt
-        Angle in deg between the axis and the displacement. With it, ``tabulated`` and ``power``
-        give the force along this direction, and the text states by how much force and stiffness
-        change in directions up to 10 deg from it. The default is 90 for a ring or a ball with a
-        bore, else the axis.
+        Angle in deg between the axis and the displacement, along which ``tabulated`` and ``power``
+        then give the force. The default is 90 for a ring or a ball with a bore, else the axis.
     name
-        Name of the function or element, so that one model can contain several joints. The default
-        is the name of the law or of the program's element.
+        Name of the function or element. The default is that of the law or the program's element.
     points
-        Number of rows of ``csv``, for example 30 for a spline; the text states the errors of
-        interpolation between them. The default is 401.
+        Number of rows of ``csv``, by default 401.
     units
-        ``mm`` for depths in mm, forces in N and stiffnesses in N/mm in ``c``, ``matlab`` and
-        ``csv``; the other programs have units of their own.
+        ``mm`` for mm, N and N/mm in ``c``, ``matlab`` and ``csv``.
 
     Raises
     ------
     ValueError
-        If the law or the format is unknown, if the law does not apply to the format or the joint,
-        if a depth is beyond the range of the law or the joint, or if the name is a keyword or a
-        standard function of the language.
+        If a value is unknown, outside the range of the law or the joint, or not for this format, or
+        if the name is a keyword or a standard function of the language.
 
     Examples
     --------
     >>> text = export("stiffened_hertz", "c", Joint.from_ratios(r2_star=200))
     >>> "void stiffened_hertz_law(double depth" in text
     True
-
-    .. _Exudyn: https://exudyn.readthedocs.io
     """
     checks.choice("format", form, FORMATS)
     if isinstance(law, str):
@@ -158,10 +141,8 @@ def export(
 def check_name(name: str, form: Format) -> None:
     """Raise ``ValueError`` for a name that a function or element of a format cannot have."""
     if not NAME.fullmatch(name):
-        raise ValueError(
-            "name must begin with a letter and consist of at most 63 letters, digits and "
-            f"underscores, got {name!r}"
-        )
+        wanted = "begin with a letter and consist of at most 63 letters, digits and underscores"
+        raise ValueError(f"name must {wanted}, got {name!r}")
     import tomllib  # late: only few exports have a name
 
     reserved = {*keyword.kwlist, *dir(builtins)} if form == "exudyn" else set()
@@ -171,10 +152,8 @@ def check_name(name: str, form: Format) -> None:
     if form == "c":  # sinf and sinl, the functions of other precisions
         reserved.update([word + letter for word in reserved for letter in "fl"])
     if name in reserved:
-        raise ValueError(
-            f"name must not be a keyword or a standard function of {form}, got {name!r}; take "
-            f"another name, for example {name}_joint"
-        )
+        wanted = f"name must not be a keyword or a standard function of {form}"
+        raise ValueError(f"{wanted}, got {name!r}; take another name, for example {name}_joint")
 
 
 class _Content:
@@ -374,21 +353,20 @@ def _tendon(content, name):
     if turn < np.inf:
         beyond = f"it falls from {clearance * turn:.3g} m on, where it must not be used."
     outside = f"Outside: at {' and at '.join(outside)}; beyond the range {beyond}"
-    values = {
-        "title": f"A spherical clearance joint{f' named {name}' if name else ''}.",
-        "prefix": f"{name}_" if name else "",
-    }
+    title = f"A spherical clearance joint{f' named {name}' if name else ''}."
+    prefix = f"{name}_" if name else ""
     tendons = [
         _TENDON.format(
             name=f"{name or 'clearance_joint'}_{k}",
             starts=f"{clearance + clearance * knot:.12g}",
             stiffness=" ".join(f"{x:.9g}" for x in unit * cubic / clearance ** np.arange(1.0, 4)),
-            prefix=values["prefix"],
+            prefix=prefix,
         )
         for k, (cubic, knot) in enumerate(zip(cubics, knots, strict=True), 1)
     ]
     about = [*content.in_words(error), outside]
-    return _filled("tendon.mujoco", "", about, values | {"tendons": "\n".join(tendons)})
+    values = {"title": title, "prefix": prefix, "tendons": "\n".join(tendons)}
+    return _filled("tendon.mujoco", "", about, values)
 
 
 _TENDON = """    <spatial name="{name}" springlength="0 {starts}" stiffness="{stiffness}">

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study import checks
+from study.compiled import one_thread
 from study.contact import hertz_factor, largest_depth
 from study.joint import complementarity, series
 from study.joint.compliance import (
@@ -33,7 +34,6 @@ from study.joint.description import JointDescription
 from study.joint.kinematics import UnresolvedError, at_rim, problem_of, unresolved
 from study.joint.nested import NestedContacts
 from study.joint.solution import Solution
-from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 Solver = Literal["series", "quadratic", "linear"]

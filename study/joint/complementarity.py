@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from study.checks import StudyError
-from study.threads import one_thread
+from study.compiled import one_thread
 
 TOLERANCE = 1e-11  # share of the largest p, or of the largest |b|, that counts as zero
 PATIENCE = 10

@@ -29,9 +29,9 @@ from skfem import (
     MeshTri2,
 )
 
+from study.compiled import one_thread
 from study.joint import meridian
 from study.joint.compliance import RESOLUTION, Ball, Compliance, Socket, surface_angles
-from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 _ON_AXIS = {0: (0, 1), 1: (1, 2)}  # unknowns that are zero on the axis; of higher modes all are

@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from study.compiled import one_thread
 from study.joint.compliance import (
     RESOLUTION,
     Ball,
@@ -22,7 +23,6 @@ from study.joint.compliance import (
     layer_steps,
     surface_angles,
 )
-from study.threads import one_thread
 
 ORDERS = 16
 """Orders per element: more change the force by less than 1e-6, the peak pressure by 1e-5."""

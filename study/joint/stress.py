@@ -17,13 +17,13 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
+from study.compiled import one_thread
 from study.joint import series
 from study.joint.compliance import graded
 from study.joint.kinematics import socket_pressure
 from study.joint.solution import LargestStress, Solution
 from study.joint.supports import HEIGHT, ON
 from study.joint.tilted import Solved
-from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 

@@ -31,12 +31,12 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from study import checks
+from study.compiled import one_thread
 from study.contact import largest_depth
 from study.joint import complementarity, surface
 from study.joint.description import JointDescription
 from study.joint.kinematics import UnresolvedError
 from study.joint.solution import Solution
-from study.threads import one_thread
 
 Floats = NDArray[np.float64]
 RESOLUTION, FINEST_RESOLUTION = 48, 96

@@ -8,9 +8,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from study.compiled import one_thread
 from study.mechanism.angles import arcsine, sine_cosine
 from study.mechanism.scene import Link, Scene
-from study.threads import one_thread
 
 Array = NDArray[np.float64]
 Elements = tuple[int, int]  # numbers of elements of crank and coupler

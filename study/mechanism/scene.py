@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from study import checks, parameters
 from study.contact import Material, composite_modulus, material
-from study.contact.damping import Damping, damping_factor, delivered_restitution
+from study.contact.forces import Damping, damping_factor, delivered_restitution
 from study.contact.materials import read_material
 from study.mechanism import loads
 from study.parameters import parameter

@@ -1,7 +1,4 @@
-"""Shapes of the paper's drawings: outlines, lines, arrows and names, and their numbers.
-
-The contact is below, and polar angles are measured from the downward vertical.
-"""
+"""Shapes of the paper's drawings: outlines, lines, arrows and names, and their numbers."""
 
 from typing import Any
 

@@ -1,12 +1,11 @@
 """One style for every figure, one colour and marker per law, and saving with the numbers drawn.
 
-A figure is written as PNG together with a CSV of what it shows. It is drawn from these numbers as
-they are saved, rounded by `as_saved`: on another processor the last digits of a solved number
-differ, and equal tables have to give equal pictures, byte by byte.
+A figure is written as PNG with a CSV of what it shows. It is drawn from these numbers, rounded by
+`as_saved`: on another processor the last digits of a solved number differ, and equal tables have to
+give equal pictures, byte by byte.
 
-Every figure is readable in print. The article is A4 with a text width of 6.61 in, to which a wider
-figure is scaled down. No text may be smaller than 7 pt there, so a figure is at most `WIDEST`
-and its text at least `SMALLEST`: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscripts aside.
+The article scales a figure down to its text width of 6.61 in, and no text may be smaller than 7 pt
+there: 9 pt * 6.61 / 8.4 = 7.08 pt, sub- and superscripts aside.
 """
 
 import os
@@ -31,14 +30,10 @@ from pandas.io.formats.style import Styler
 
 from study import checks, paths
 
-WIDEST = 8.4
-"""Largest width of a figure, in inches."""
-SMALLEST = 9.0
-"""Smallest size of its text, in points."""
-TOUCHING = 1.0
-"""Overlap of the boxes of two texts that is allowed, in points: letters do not fill them."""
-OVERLAP = "Overlapping texts"
-"""Key of the image's metadata with the texts that overlap more."""
+WIDEST = 8.4  # width of a figure in inches
+SMALLEST = 9.0  # size of its text in points
+TOUCHING = 1.0  # points by which the boxes of two texts may overlap: letters do not fill them
+OVERLAP = "Overlapping texts"  # key of the image's metadata with the texts that overlap more
 DIGITS = 9  # of a number in a saved table
 
 STYLE = {
@@ -83,22 +78,17 @@ def _looks(of):
     return {name: Look(*row) for name, row in rows.iterrows()}
 
 
-LOOKS = _looks("law")
-"""Laws and the elastic solution."""
-MODEL_LOOKS = _looks("model")
-"""Models of the mechanism's links; the rigid ones are drawn behind the others."""
-METHOD_LOOKS = _looks("method")
-"""Solvers of the joint and steppers of the mechanism, by the names in `study.measure.charts`."""
+LOOKS = _looks("law")  # and of the elastic solution
+MODEL_LOOKS = _looks("model")  # of the mechanism's links
+METHOD_LOOKS = _looks("method")  # of solvers and steppers, by the names in `study.measure.charts`
 
 
 def new(
     columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.2, **options: Any
 ) -> tuple[Figure, Axes | NDArray[np.object_]]:
-    """Figure and axes in the study's style, which is that of the session from here on.
+    """Figure and axes in the study's style, of panels with a width and a height in inches.
 
-    One panel has a width and a height in inches; options are those of
-    ``matplotlib.figure.Figure.subplots``. Raises ``ValueError`` if the panels together are wider
-    than `WIDEST`.
+    Options are those of ``Figure.subplots``. ``ValueError`` if they are wider than `WIDEST`.
     """
     checks.number("width of the figure", columns * width, "in", above=0, most=WIDEST)
     mpl.rcdefaults()
@@ -108,10 +98,7 @@ def new(
 
 
 def panels(*titles: str, columns: int = 0, **options: Any) -> tuple[Figure, list[Axes]]:
-    """Figure of `new` with a panel for each title, lettered (a), (b) and so on: it and its axes.
-
-    The panels are in rows of ``columns``, by default in one row.
-    """
+    """Figure of `new` and its axes: lettered panels by title in rows of ``columns``, or in one."""
     columns = columns or len(titles)
     figure, grid = new(columns, -(-len(titles) // columns), squeeze=False, **options)
     axes = [*cast(Any, grid).flat]
@@ -127,10 +114,7 @@ def legend_above(figure: Figure, axes: Axes, columns: int = 3, **options: Any) -
 
 
 def ticks(axes: Axes, **places: Iterable[float] | Mapping[float, str]) -> None:
-    """Label an axis, ``x`` or ``y``, with plain numbers at some places, and nowhere else.
-
-    A mapping gives the labels of the places.
-    """
+    """Label an axis, ``x`` or ``y``, at some places only, with their numbers or given labels."""
     for name, at in places.items():
         labels = at if isinstance(at, Mapping) else {place: f"{place:g}" for place in at}
         axis = getattr(axes, f"{name}axis")
@@ -159,19 +143,15 @@ def draw_model(axes: Axes, model: str, time: ArrayLike, values: ArrayLike, **opt
     style = {"color": look.color, "linewidth": 0.9, "linestyle": look.line}
     if model == "rigid":
         style |= {"color": "0.75", "linewidth": 3.5}
-    axes.plot(
-        as_saved(1e3 * np.asarray(time)), as_saved(values), label=look.label, **(style | options)
-    )
+    ms = as_saved(1e3 * np.asarray(time))
+    axes.plot(ms, as_saved(values), label=look.label, **(style | options))
     axes.set_xlabel("time (ms)")
 
 
 def save(figure: Figure, name: str, numbers: pd.DataFrame) -> None:
     """Write ``name.png``, what it draws to ``name.csv``, and show the image.
 
-    A job of the workflow collects both in ``build/results``. In a notebook that is run in another
-    way, they are written to ``build/scratch``. The texts that overlap are named in the metadata of
-    the image, where a test looks for them.
-
+    The texts that overlap are named in the metadata of the image, where a test looks for them.
     Raises ``ValueError`` if a text is smaller than `SMALLEST`, or a number is not finite.
     """
     least = min(figure.findobj(Text), key=Text.get_fontsize)
@@ -198,11 +178,8 @@ def overlapping_texts(figure: Figure) -> list[tuple[str, str]]:
         if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
         for label in (tick.label1, tick.label2)
     }
-    texts = [
-        text
-        for text in figure.findobj(Text)
-        if text.get_visible() and text.get_text().strip() and text not in beyond
-    ]
+    texts = [text for text in figure.findobj(Text) if text.get_visible() and text not in beyond]
+    texts = [text for text in texts if text.get_text().strip()]
     boxes = [Text.get_window_extent(text).padded(-figure.dpi / 72 * TOUCHING) for text in texts]
     return [
         (a.get_text(), b.get_text())
@@ -225,11 +202,7 @@ def _scratch():
 
 
 def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
-    """Numbers rounded to the digits with which they are saved: a figure is drawn from these.
-
-    They are in a table, of which texts and whole numbers stay as they are, or a series or array.
-    Significant digits are fewer than `DIGITS` where the table is saved with fewer.
-    """
+    """Numbers of a table, series or array, rounded to the digits with which they are saved."""
 
     def rounded(value):
         return float(f"{value:.{digits}g}") + 0.0 if isinstance(value, float) else value
@@ -240,10 +213,7 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
 
 
 def save_table(table: pd.DataFrame, name: str) -> None:
-    """Write a table to ``name.csv`` where `save` does, with 9 significant digits: see `as_saved`.
-
-    Raises ``ValueError`` if a number of the table is NaN or infinite.
-    """
+    """Write a table to ``name.csv`` where `save` does; ``ValueError`` if a number is not finite."""
     numeric = table.select_dtypes("number")
     bad = ~np.isfinite(numeric.to_numpy())
     if bad.any():
@@ -257,9 +227,7 @@ def save_table(table: pd.DataFrame, name: str) -> None:
 def save_numbers(name: str, numbers: Mapping[str, Mapping[str, Any]]) -> Styler:
     """Write a notebook's numbers for the paper's statements, and show them.
 
-    They are given as unit -> quantity -> a number, or reading -> number. A reading is a model,
-    material or duration that the paper's text allows. The result has the columns quantity, reading,
-    value and unit.
+    They are given as unit -> quantity -> a number, or reading of the paper's text -> number.
     """
     rows = []
     for unit, quantities in numbers.items():
@@ -280,11 +248,9 @@ def shown(table: pd.DataFrame, precision: int = 4) -> Styler:
 def tidy(*curves: tuple[str, pd.DataFrame, str, str, str | None], digits: int = 3) -> pd.DataFrame:
     """Numbers of several panels in one table, all but x as text.
 
-    The columns are panel, series, x_meaning, x, y_meaning and y.
-
-    The figure draws the significant digits of y too, by ``as_saved(values, digits)``. Three are
-    enough on a logarithmic axis. A curve is (panel, table, x, y, series): letter, DataFrame and
-    names of its columns; a series of None is a single one, called ``y``.
+    A curve is (panel, table, x, y, series): letter, DataFrame and names of its columns; a series of
+    None is a single one, called ``y``. The figure draws the significant digits of y too, by
+    ``as_saved(values, digits)``. Three are enough on a logarithmic axis.
     """
     parts = []
     for panel, table, x, y, series in curves:

@@ -17,7 +17,7 @@ from study.contact import (
     material,
     materials,
 )
-from study.contact.damping import damping_factor
+from study.contact.forces import damping_factor
 from study.contact.power_fit import fit_power
 from study.joint import Joint
 

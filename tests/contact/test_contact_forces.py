@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from study import contact
 from study.contact import forces
-from study.contact.damping import damping_factor, delivered_restitution
+from study.contact.forces import damping_factor, delivered_restitution
 
 R1, R2, MODULUS = 9.95e-3, 10e-3, 1.1e11
 R2_STAR = R2 / (R2 - R1)

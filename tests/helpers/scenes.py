@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from study.contact.damping import DAMPINGS
+from study.contact.forces import DAMPINGS
 from study.mechanism import paper_scene
 
 

@@ -8,7 +8,7 @@ from helpers.with_hertz import simulate
 
 from study import contact, paths
 from study.checks import RangeError
-from study.contact.damping import DAMPINGS, damping_factor, delivered_restitution
+from study.contact.forces import DAMPINGS, damping_factor, delivered_restitution
 from study.joint import Joint, Material, complementarity, reference_joint
 from study.joint.compliance import surface_angles
 from study.measure import explicit, stability

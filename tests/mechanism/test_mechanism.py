@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from study import dataset, mechanism, paths
 from study.contact import LAWS
-from study.contact.damping import DAMPINGS
+from study.contact.forces import DAMPINGS
 from study.mechanism import MechanismError, Scene, compare, paper_scene, rigid, stepping
 from study.mechanism.response import EVENTS
 from study.mechanism.rigid import ContactState

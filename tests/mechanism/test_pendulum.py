@@ -8,8 +8,7 @@ from other_programs.multibody import crank_slider
 
 from study import paths
 from study.contact import forces
-from study.contact.damping import damping_factor
-from study.contact.forces import friction_regime
+from study.contact.forces import damping_factor, friction_regime
 from study.joint import Joint
 from study.mechanism import Scene, law_in_scene, simulate
 
