@@ -1,15 +1,7 @@
 """Laws that tests try, each by the R2* of its joint, and laws for the compiled functions."""
 
-from study.contact import (
-    DimensionalLaw,
-    Hertz,
-    HyperbolicWinkler,
-    Liu,
-    Power,
-    Steuermann,
-    StiffenedHertz,
-    Winkler,
-)
+from study import contact
+from study.contact import DimensionalLaw, HyperbolicWinkler, Steuermann, StiffenedHertz
 from study.joint import Joint
 
 
@@ -18,24 +10,14 @@ def _stiffened(**ratios):
 
 
 _MIXED = {"socket_ratio": 3.0, "modulus_ratio": 0.01, "ball_support": "clamped", "rim": "mirror"}
+_LAWS = [
+    *(contact.Hertz(), contact.Liu(), contact.Winkler(), contact.Winkler(3.0)),
+    *(contact.Power(), contact.Power(600.0, 1.7)),
+    *(Steuermann(), Steuermann(3), Steuermann(2, "profile")),
+    *(HyperbolicWinkler(), HyperbolicWinkler(3.0), HyperbolicWinkler(area="sphere")),
+]
 VARIANTS = {
-    **{
-        repr(law): lambda r2_star, law=law: law
-        for law in (
-            Hertz(),
-            Steuermann(),
-            Steuermann(3),
-            Steuermann(2, "profile"),
-            Liu(),
-            Winkler(),
-            Winkler(3.0),
-            HyperbolicWinkler(),
-            HyperbolicWinkler(3.0),
-            HyperbolicWinkler(area="sphere"),
-            Power(),
-            Power(600.0, 1.7),
-        )
-    },
+    **{repr(law): lambda r2_star, law=law: law for law in _LAWS},
     "stiffened_hertz": _stiffened(),
     "stiffened_hertz, thin": _stiffened(socket_ratio=1.1, poisson=0.45),
     "stiffened_hertz, mixed": _stiffened(**_MIXED),

@@ -26,17 +26,6 @@ def test_layers_of_one_material_are_one_layer(ratios, poisson):
     assert np.abs(several / one - 1).max() < 1e-10
 
 
-@pytest.mark.parametrize(
-    ("supports", "tolerance"), [({}, 1e-10), ({"ball_support": "clamped", "rim": "free"}, 1e-5)]
-)
-def test_a_socket_of_one_material_in_layers_is_the_socket(supports, tolerance):
-    one = Joint.from_ratios(80, 1.5, **supports)
-    layers = tuple(Layer(ratio, Material()) for ratio in (1.1, 1.3, 1.5))
-    three = Joint.from_ratios(80, layers=layers, **supports)
-    resolution = 64 if supports else None  # meshes differ in their rings
-    assert forces(three, resolution) == pytest.approx(forces(one, resolution), rel=tolerance)
-
-
 def lame(ratios, poissons, moduli):
     """Displacement of a shell of two layers under unit pressure inside, fixed outside."""
     (q, b), rows, right = ratios, [], [-1.0, 0.0, 0.0, 0.0]
@@ -49,9 +38,10 @@ def lame(ratios, poissons, moduli):
     return np.linalg.solve(rows, right)[:2].sum()
 
 
-def test_two_layers_under_uniform_pressure_widen_as_lame():
-    case = (1.1, 1.6), (0.2, 0.45), (1.0, 30.0)
-    assert of_socket(EVEN[:1], *case) == pytest.approx(lame(*case))
+@pytest.mark.parametrize("ratios", [(1.00005, 1.0001), (1.1, 1.6), (2.0, 3.0)])
+@pytest.mark.parametrize("layers", [((0.2, 0.45), (1.0, 30.0)), ((0.3, 0.3), (1.0, 1.0))])
+def test_two_layers_under_uniform_pressure_widen_as_lame(ratios, layers):
+    assert of_socket(EVEN[:1], ratios, *layers) == pytest.approx(lame(ratios, *layers))
 
 
 def test_amplitudes_meet_every_condition():
@@ -123,13 +113,3 @@ def test_a_stiff_housing_is_a_rigid_backing():
     assert (differences[0] > 0).all()
     for k in (1, 2):
         assert 100**k * differences[k] == pytest.approx(differences[0], rel=0.1)
-
-
-def test_what_follows_from_the_layers():
-    joint = Joint.from_ratios(80, layers=HOUSED)
-    assert (joint.socket_ratio, joint.innermost, joint.socket) == (1.5, PTFE, STEEL)
-    assert joint.modulus_ratio == 0.0025
-    assert joint.columns()["layers"] == "1.125,0.0025,0.46;1.5,1,0.3"
-    expected = [(1.125, 1.5), (0.46, 0.3), (1.0, 400.0)]
-    assert joint.socket_body.layers.tolist() == [list(of) for of in expected]
-    assert Joint.from_ratios(80).columns()["layers"] == ""

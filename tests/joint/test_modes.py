@@ -147,41 +147,43 @@ def test_clamping_and_a_mirror_plane_stiffen(free, held):
     assert np.linalg.eigvalsh(difference).min() > -1e-12
 
 
+def area_of(mesh, elements=None):
+    basis = Basis(mesh, ElementTriP2(), elements=elements)
+    return Functional(lambda w: 1.0 + 0 * w.x[0]).assemble(basis)
+
+
 @OF_BODIES
 def test_mesh_covers_the_meridian_with_curved_boundaries(body):
     mesh = meshed(body, 64).mesh
-    area = Functional(lambda w: 1.0 + 0 * w.x[0]).assemble(Basis(mesh, ElementTriP2()))
     if isinstance(body, Socket):
-        last = body.opening.last - body.opening.first
-        expected = np.radians(last) / 2 * (body.layers[0, -1] ** 2 - 1)
-        ratios, areas = body.layers[0], []
+        half, ratios = np.radians(body.opening.last - body.opening.first) / 2, body.layers[0]
         layer = meridian.layer_of(mesh, ratios)
-        for k in range(len(ratios)):
-            basis = Basis(mesh, ElementTriP2(), elements=np.flatnonzero(layer == k))
-            areas.append(Functional(lambda w: 1.0 + 0 * w.x[0]).assemble(basis))
-        inner = np.append(1.0, ratios[:-1])
-        assert areas == pytest.approx(np.radians(last) / 2 * (ratios**2 - inner**2), rel=1e-6)
+        areas = [area_of(mesh, np.flatnonzero(layer == k)) for k in range(len(ratios))]
+        each = half * np.diff(ratios**2, prepend=1.0)
+        assert areas == pytest.approx(each, rel=1e-6)
+        expected = each.sum()
     elif isinstance(body.support, Bore):
         half = np.cos(np.radians(body.support.face))  # of the width: lens beside a rectangle
         expected = half * np.sqrt(0.5) + np.pi / 4 - 2 * half * body.support.radius
     else:
         core = body.support.radius if isinstance(body.support, Core) else 0.0
         expected = np.pi / (4 if body.support.is_half else 2) * (1 - core**2)
-    assert area == pytest.approx(expected, rel=1e-6)
+    assert area_of(mesh) == pytest.approx(expected, rel=1e-6)
     surface = mesh.dofs.get_facet_dofs(mesh.boundaries["surface"]).flatten()
     assert np.hypot(*mesh.doflocs[:, surface]) == pytest.approx(1, rel=1e-12)
     assert set(body.held) <= mesh.boundaries.keys()
 
 
 def test_a_seat_ends_at_vertices_and_a_neck_at_its_angle():
-    seat = meshed(BODIES["sector"]).mesh
-    held = seat.p[:, np.unique(seat.facets[:, seat.boundaries["seat"]])]
-    assert np.hypot(*held) == pytest.approx(1.3)
-    angles = np.degrees(np.arctan2(*held))
-    assert [angles.min(), angles.max()] == pytest.approx([20, 50])
-    neck = meshed(BODIES["neck"]).mesh
-    held = neck.p[:, np.unique(neck.facets[:, neck.boundaries["neck"]])]
-    assert np.degrees(np.arctan2(*held)).min() == pytest.approx(150)
+    for body, part, radius, ends in (
+        ("sector", "seat", 1.3, (20, 50)),
+        ("neck", "neck", 1, (150, 180)),
+    ):
+        mesh = meshed(BODIES[body]).mesh
+        held = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries[part]])]
+        assert np.hypot(*held) == pytest.approx(radius)
+        angles = np.degrees(np.arctan2(*held))
+        assert (angles.min(), angles.max()) == pytest.approx(ends)
 
 
 @pytest.mark.parametrize("around", [64, 80, 96, 144])

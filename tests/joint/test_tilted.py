@@ -24,10 +24,8 @@ CALCULIX = {
 """Forces of CUT along and across at a depth of 0.5 and a tilt of 60 deg, by resolution and shells.
 
 By CalculiX 2.20 and `other_programs.calculix_tilted` with a penalty of 3000; twice that raises the
-force by 0.034 %. The own error of the finest is about 0.1 %, from shells, bricks and penalty. At a
-tilt of 0 bricks of (5, 3) have 118.322, and the solution along the axis 118.364. The finest takes 7
-min. Left out is (5, 4), which ends 1.7 % lower although CalculiX reports convergence: see
-`calculix.force_curve`. With a penalty of 2000 it has 96.942 and -13.392.
+force by 0.034 %. The error of the finest, which takes 7 min, is about 0.1 %. Left out is (5, 4),
+which ends 1.7 % lower although CalculiX reports convergence: see `calculix.deck`.
 """
 
 ROD_END = {"ball_support": "bore:0.5,45", "opening": "55:125"}
@@ -42,9 +40,8 @@ CALCULIX_ROD_END = {
 """Force and pressure in the middle of a ROD_END: R2* = 200, a depth of 0.5, a tilt of 90 deg.
 
 By CalculiX 2.20 and `other_programs.calculix_ring`, by resolution and shells, with a penalty of
-3000. Twice that raises the force of (6, 3) by 0.04 %, and of other rod ends by up to 0.11 %. With
-12000 that of (8, 3) is 281.101, which is lower than with 3000: see `calculix.force_curve`. The own
-error of the finest force is therefore about 0.1 %. The finest takes some minutes.
+3000. Twice that raises the force of (6, 3) by 0.04 %, and of other rod ends by up to 0.11 %: the
+error of the finest force is about 0.1 %.
 """
 SUPPORTS = (
     {"ball_support": "core:0.3", "opening": 70},

@@ -7,10 +7,8 @@ from helpers.impacts import free_impact
 from helpers.with_hertz import simulate
 
 from study import contact, paths
-from study.checks import RangeError
 from study.contact.forces import DAMPINGS, damping_factor, delivered_restitution
-from study.joint import Joint, Material, complementarity, reference_joint
-from study.joint.compliance import surface_angles
+from study.joint import Joint, Material, reference_joint
 from study.measure import explicit, stability
 from study.mechanism import MechanismError, paper_scene, particles, rigid, stepping
 from study.mechanism.events import stepper
@@ -33,15 +31,20 @@ def pressed():
 # Explicit steps
 
 
+def slopes_at(scene, y, regime, approach):
+    """Derivatives of the accelerations of rigid links by their state, in contact."""
+    p, slopes, piece = scene.constants(), np.zeros((3, 6)), ContactState(True, regime, approach)
+    motion = rigid.motion(y, piece, p, explicit.packed(scene, "hertz"))
+    rigid.derive(y, piece, p, motion, slopes)
+    return slopes
+
+
 def test_oscillator_is_the_linearised_equation(pressed):
     state, contact_ = pressed
-    numbers, p = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.constants()
-    reach = np.hypot(state[1], state[2])
     y = np.array([state[0], contact_["depth"], np.arctan2(state[2], state[1]), state[3], 0, 0])
-    slopes, piece = np.zeros((3, 6)), ContactState(True, 0, 1e-4)
-    rigid.derive(y, piece, p, rigid.motion(y, piece, p, numbers), slopes)
+    slopes = slopes_at(SLIPPERY, y, 0, 1e-4)
     rate = SLIPPERY.damping_factor * contact_["force"] / (contact_["mass"] * 1e-4)
-    assert reach > numbers.clearance
+    assert np.hypot(state[1], state[2]) > SLIPPERY.clearance
     assert slopes[1, 1] == pytest.approx(-(contact_["frequency"] ** 2), rel=1e-4)
     assert slopes[1, 4] == pytest.approx(-rate, rel=1e-4)
 
@@ -122,10 +125,9 @@ def test_the_rate_of_friction_is_that_of_the_equations_of_motion():
     scene = paper_scene(friction=3.0, slow_speed=0.0, full_speed=1e-3, restitution=1.0)
     state = stability.sustained_contact(scene, "hertz", 0.8 * SETTLED)
     rate = stability.oscillator(scene, "hertz", state)["friction_rate"]
-    numbers, p = explicit.packed(scene, "hertz"), scene.constants()
-    (angle, ex, ey), slopes, piece = state[:3], np.zeros((3, 6)), ContactState(True, 1, np.inf)
-    still = np.array([angle, np.hypot(ex, ey) - numbers.clearance, np.arctan2(ey, ex), 0, 0, 0])
-    rigid.derive(still, piece, p, rigid.motion(still, piece, p, numbers), slopes)
+    angle, ex, ey = state[:3]
+    still = np.array([angle, np.hypot(ex, ey) - scene.clearance, np.arctan2(ey, ex), 0, 0, 0])
+    slopes = slopes_at(scene, still, 1, np.inf)
     assert rate == pytest.approx(np.abs(np.linalg.eigvals(slopes[:3, 3:])).max(), rel=1e-9)
     moving = np.array([*state[:3], 1.0, *(0.02 * state[1:3] / np.hypot(ex, ey))])
     assert stability.oscillator(scene, "hertz", moving)["friction_rate"] == rate
@@ -287,41 +289,7 @@ def test_runs_with_loss_can_be_repeated_and_those_without_cannot():
     assert np.exp(slopes) == pytest.approx([1.9, 1.9], abs=0.3)
 
 
-# The contact solver
-
-
-def test_pivoting_takes_few_steps():
-    for seed in range(30):
-        generator = np.random.default_rng(seed)
-        for size in (10, 40, 160):
-            root = generator.normal(size=(size, size))
-            problem = root @ root.T + 1e-3 * np.eye(size), generator.normal(size=size)
-            complementarity.solve(*problem, max_pivots=10)
-
-
-@pytest.mark.parametrize(("r2_star", "reach"), [(20, 3.623), (200, 6.183)])
-def test_contact_is_solved_up_to_the_rim_and_refused_there(r2_star, reach):
-    assert Joint.from_ratios(r2_star).solve(depth_star=0.999 * reach, resolution=64).force_star > 0
-    with pytest.raises(RangeError, match="depth_star must be small enough"):
-        Joint.from_ratios(r2_star).solve(depth_star=1.001 * reach, resolution=64)
-
-
-@pytest.mark.parametrize("resolution", [32, 128])
-def test_smallest_contact_is_that_of_one_hat(resolution):
-    pole = surface_angles(resolution // 2)[1]
-    smallest = 0.15 * pole**2
-    true = Joint.from_ratios(200).solve(depth_star=1.01 * smallest, resolution=640).force_star
-    coarse = Joint.from_ratios(200).solve(depth_star=1.01 * smallest, resolution=resolution)
-    assert coarse.force_star == pytest.approx(true, rel=0.05)
-    assert coarse.error_estimate > 0.5  # the coarser mesh has only just seen it
-    with pytest.raises(RangeError, match="large enough for the elements to resolve the contact"):
-        Joint.from_ratios(200).solve(depth_star=0.99 * smallest, resolution=resolution)
-
-
-@pytest.mark.parametrize("r2_star", [10, 20, 1e6, 1e9])
-def test_extreme_radii_are_solved(r2_star):
-    solution = Joint.from_ratios(r2_star).solve(depth_star=0.5, resolution=160)
-    assert solution.error_estimate < 2e-3
+# Elements
 
 
 def test_three_node_triangles_lock_and_six_node_ones_do_not():
@@ -346,14 +314,6 @@ def test_laws_that_extrapolate_beyond_one_clearance_are_this_far_off():
     assert errors["hyperbolic_winkler"] == pytest.approx(0.17, abs=0.01)
     assert errors["winkler"] == pytest.approx(0.58, abs=0.02)
     assert all(-0.7 < errors[name] < -0.3 for name in ("hertz", "steuermann", "liu"))
-
-
-def test_steuermann_of_any_order_is_finite_and_settles():
-    for radius in ("geometric", "profile"):
-        for r2_star in (1.01, 200, 1e6):
-            forces = [contact.Steuermann(n, radius)(0.5, r2_star) for n in (1, 10, 49, 50)]
-            assert np.isfinite(forces).all()
-            assert forces[3] == pytest.approx(forces[2], rel=2e-3)
 
 
 @pytest.mark.parametrize(

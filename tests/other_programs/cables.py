@@ -20,10 +20,9 @@ TOLERANCE = 1e-6
 
 
 def links(scene: Scene, elements: tuple[int, int], ideal: bool) -> tuple[Any, int, int]:
-    """Exudyn's system of two cables and slider, the slider's node, and the contact's number.
+    """Exudyn's system of a scene (`multibody.links`), the slider's node, and the contact's number.
 
-    With an ``ideal`` joint there is no contact, and its number is -1. Scenes as of
-    `multibody.links`.
+    With an ``ideal`` joint there is no contact, and its number is -1.
     """
     import exudyn as exu
     from exudyn import itemInterface as item  # noqa: N813
@@ -81,10 +80,7 @@ def _settings(duration, step, period):
 def ideal_joint(
     scene: Scene, elements: tuple[int, int], duration: float, outputs: int, step: float
 ) -> Callable[[], NDArray[np.float64]]:
-    """Assemble the system with an ideal joint; the function returned steps it.
-
-    It returns the slider's positions at equally spaced times after the start, in m.
-    """
+    """Assembled: a function that steps to the slider's positions at equally spaced times, in m."""
     system, slider, _ = links(scene, elements, ideal=True)
     stored = multibody.sensor(system, slider, "Position")
     system.Assemble()
@@ -100,11 +96,7 @@ def ideal_joint(
 def first_impact(
     scene: Scene, elements: tuple[int, int], duration: float, step: float
 ) -> Callable[[], NDArray[np.float64]]:
-    """Assemble the system with clearance; the function returned steps it.
-
-    It returns the start of the first impact, in s, by linear interpolation of the gap, and its
-    largest normal force, in N.
-    """
+    """Assembled: a function that steps to the first impact's start, in s, and peak force, in N."""
     import exudyn as exu
     from exudyn.utilities import SensorObject
 

@@ -3,10 +3,6 @@
 Bodies and meshes are those of `study.joint.meridian`; the search, integration and solution of the
 contact are CalculiX's, on moved surfaces. Lengths are in socket radii R2 and stresses in E*;
 the deck's x is r and its y is z.
-
-Hardly quicker at equal error were quadrilaterals of four and of eight nodes, with full and reduced
-integration; other gradings of the mesh; contact surfaces that end at 60 deg; all depths as
-increments of one step.
 """
 
 import os
@@ -17,10 +13,10 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from study import checks
-from study.joint import Joint, meridian, modes
+from study.joint import meridian, modes
 
 CONTACTS = {"surface": "SURFACE TO SURFACE", "node": "NODE TO SURFACE"}
 PENALTY = 5000.0
@@ -39,42 +35,16 @@ def version() -> str | None:
     return number and number.group(1)
 
 
-def force_curve(
-    joint: Joint,
-    depth_star: ArrayLike,
-    resolution: int = 64,
-    nodes: int = 6,
-    penalty: float = PENALTY,
-    contact: str = "surface",
-    large: bool = False,
-) -> NDArray[np.float64]:
-    """Dimensionless force P/(E* dR^2) at given depths, in one run with one step per depth.
+def force_curve(joint, depth_star, *mesh, **how):
+    """Dimensionless force P/(E* dR^2) at given depths >= 0, in any order: one step for each.
 
-    Parameters
-    ----------
-    joint
-        Of ``linear`` kinematics, with a hemispherical socket that is held at its whole outside;
-        ``ball_support`` is ``guided`` or ``clamped``.
-    depth_star
-        Penetration depths over dR, >= 0, in any order.
-    resolution
-        Elements along the surface, a multiple of 16; they have 6 ``nodes`` (CAX6) or 3 (CAX3).
-    penalty
-        Pressure per overclosure, in E*/R2. At R2* = 200 with CAX6 it costs 0.2 % of the force at
-        1000, 0.06 % at 3000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to
-        2.8 % too low although CalculiX reports convergence.
-    contact
-        From ``surface`` to surface, which CalculiX's manual recommends for six nodes; or from
-        ``node`` to surface, which takes a sixth of the time and scatters by up to 0.8 %.
-    large
-        Whether displacements are large ones (NLGEOM), or small ones with contact on moved surfaces.
-
-    Raises `study.checks.StudyError` if CalculiX is missing, fails or takes too long.
+    Arguments are those of `deck`. Raises `study.checks.StudyError` if CalculiX is missing, fails
+    or takes too long.
     """
     depths = np.atleast_1d(depth_star)
     ordered, places = np.unique(depths, return_inverse=True)
     touching = ordered > 0
-    text = deck(joint, ordered[touching], resolution, nodes, penalty, contact, large)
+    text = deck(joint, ordered[touching], *mesh, **how)
     force = np.zeros(ordered.shape)
     if touching.any():
         force[touching] = _SECTORS * joint.r2_star**2 * run(text, np.count_nonzero(touching))
@@ -82,15 +52,19 @@ def force_curve(
 
 
 def deck(
-    joint: Joint,
-    depth_star: ArrayLike,
-    resolution: int = 64,
-    nodes: int = 6,
-    penalty: float = PENALTY,
-    contact: str = "surface",
-    large: bool = False,
-) -> str:
-    """CalculiX's input for increasing depths > 0; arguments and errors as for `force_curve`."""
+    joint, depth_star, resolution=64, nodes=6, penalty=PENALTY, contact="surface", large=False
+):
+    """CalculiX's input for increasing depths > 0 over dR.
+
+    The joint has ``linear`` kinematics, a hemispherical socket that is held at its whole outside,
+    and the ball support ``guided`` or ``clamped``. The ``resolution`` is the number of elements
+    along the surface, a multiple of 16; they have 6 ``nodes`` (CAX6) or 3 (CAX3). The ``penalty``
+    is pressure per overclosure, in E*/R2: at R2* = 200 with CAX6 it costs 0.2 % of the force at
+    1000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to 2.8 % too low although
+    CalculiX reports convergence. The ``contact`` is from ``surface`` to surface, or from ``node``
+    to surface, which takes a sixth of the time and scatters by up to 0.8 %. Displacements
+    are ``large`` ones (NLGEOM), or small ones with contact on moved surfaces.
+    """
     checks.choice("kinematics", joint.kinematics, ("linear",))
     checks.choice("ball_support", str(joint.ball_support), ("guided", "clamped"))
     bodies = joint.ball_body, joint.socket_body

@@ -73,12 +73,11 @@ def slider_acceleration(
     tolerance: float,
     coordinates: Coordinates = "contact",
 ) -> tuple[NDArray[np.float64], int]:
-    """Slider's acceleration at equally spaced times after the start, in m/s^2.
+    """Slider's acceleration at equally spaced times, in m/s^2, and the number of evaluations.
 
-    The second value is the number of evaluations of the equations of motion or their derivatives.
-    The law is a record of Hertz's (`study.contact.DimensionalLaw.packed`), the duration in s. The
-    coordinates are those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and
-    direction. Raises `study.checks.StudyError` if gcc or SUNDIALS is missing, or CVODE fails.
+    The law is a record of Hertz's (`study.contact.DimensionalLaw.packed`). The coordinates are
+    those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and direction. Raises
+    `study.checks.StudyError` if gcc or SUNDIALS is missing, or CVODE fails.
     """
     if law.shape_index != 0:
         raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")

@@ -18,16 +18,10 @@ FILE = paths.DATA / "published/large_displacements.csv"
 DEPTHS = np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.5])
 RESOLUTION = 64
 PENALTY = 3000.0  # E*/R2; with 6000 more forces are too small, one of them by 29 %
-REMOVED = (
-    ("guided", 20, 0.2),
-    ("guided", 60, 0.05),
-    ("liner", 20, 0.1),
-    ("liner", 20, 0.4),
-    ("reference", 60, 0.05),
-    ("reference", 200, 0.1),
-    ("soft", 20, 0.1),
-    ("soft", 200, 0.05),
-)
+REMOVED = [
+    *(("guided", 20, 0.2), ("guided", 60, 0.05), ("liner", 20, 0.1), ("liner", 20, 0.4)),
+    *(("reference", 60, 0.05), ("reference", 200, 0.1), ("soft", 20, 0.1), ("soft", 200, 0.05)),
+]
 """Joint, R2* and depth at which the ratio of both forces jumps, because CalculiX ends with a wrong
 contact area."""
 
@@ -46,26 +40,7 @@ def joints() -> Iterator[tuple[str, Joint]]:
 
 
 def curves(name: str, joint: Joint) -> pd.DataFrame:
-    """Forces of one joint, with a row for each depth.
-
-    Parameters
-    ----------
-    name
-        Name of the joint in the file.
-    joint
-        The joint, whose two bodies have the same Poisson's ratio.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The columns of the file: the parameters of the joint, the depth, and the forces over
-        E* dR^2 with small and with large displacements.
-
-    Raises
-    ------
-    study.checks.StudyError
-        If CalculiX is missing, fails or takes too long.
-    """
+    """Rows of the file for one joint, at each depth; both bodies have the same Poisson's ratio."""
     small, large = (
         calculix.force_curve(joint, DEPTHS, RESOLUTION, penalty=PENALTY, large=large)
         for large in (False, True)

@@ -111,10 +111,7 @@ def sensor(system: Any, node: int, quantity: str) -> int:
 
 
 def integration(duration: float, step: float, period: float) -> Any:
-    """Exudyn's settings for steps of a fixed length, with output every ``period``, all in s.
-
-    The step is changed so that the nearest whole number of steps makes the duration.
-    """
+    """Exudyn's settings for steps of about a length, with output every ``period``, all in s."""
     import exudyn as exu
 
     checks.number("step", step, "s", above=0, most=duration, scalar=True)
@@ -133,11 +130,7 @@ def integration(duration: float, step: float, period: float) -> Any:
 def slider_acceleration(
     scene: Scene, duration: float, outputs: int, step: float
 ) -> NDArray[np.float64]:
-    """Slider's acceleration at equally spaced times after the start, in m/s^2.
-
-    The contact is Exudyn's own (`contact`), and the scene must have its damping. Duration and step
-    in s.
-    """
+    """Slider's acceleration at equally spaced times, in m/s^2, with Exudyn's own `contact`."""
     system, at, slider = links(scene)
     contact(system, scene, at("coupler", scene.coupler_length / 2), at("slider", 0))
     stored = sensor(system, slider, "Acceleration")
@@ -149,11 +142,7 @@ def slider_acceleration(
 def crank_slider(
     scene: Scene, joint: Any, *, duration: float, step: float = 1e-6
 ) -> NDArray[np.float64]:
-    """Position of the slider, in m, after each step of Exudyn's generalised alpha method.
-
-    The ``joint`` is a ``ClearanceJoint`` of ``examples/pendulum.py``, whose rows are filled.
-    Duration and step in s.
-    """
+    """Slider's position, in m, after each step; fills the joint of ``examples/pendulum.py``."""
     settings = integration(duration, step, step)
     system, at, slider = links(scene)
     joint.connect(system, at("slider", 0), at("coupler", scene.coupler_length / 2))

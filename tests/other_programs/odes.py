@@ -24,12 +24,10 @@ DISARMED = 1e-9  # s after a start, in which the gap is rounding only
 def slider_acceleration(
     method: str, scene: Scene, law: np.record, duration: float, outputs: int, rtol: float
 ) -> tuple[NDArray[np.float64], int]:
-    """Slider's acceleration at equally spaced times after the start, in m/s^2.
+    """Slider's acceleration at equally spaced times, in m/s^2, and the number of evaluations.
 
-    The second value is the number of evaluations of the equations of motion, without outputs. The
-    method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
-    (`study.contact.DimensionalLaw.packed`), the duration in s. Raises `study.checks.StudyError` if
-    the integrator fails.
+    The method CVODE is SUNDIALS' through scikit-sundae, any other one SciPy's; the law is a record
+    (`study.contact.DimensionalLaw.packed`). A failed integrator raises `study.checks.StudyError`.
     """
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
