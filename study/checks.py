@@ -89,6 +89,26 @@ def whole(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     return int(checked)
 
 
+def several(
+    name: str,
+    values: Any,
+    check: Callable[..., Any] = number,
+    *given: Any,
+    fewest: int = 1,
+    **limits: Any,
+) -> list[Any]:
+    """Return a list of ``fewest`` values or more, each checked, for example by `number`."""
+    if not isinstance(values, list | tuple) or len(values) < fewest:
+        wanted = "one value" if fewest == 1 else f"{fewest} values"
+        raise ValueError(f"{name} must be a list of {wanted} or more, got {shown(values)}")
+    return [check(name, value, *given, **limits) for value in values]
+
+
+def poisson(name: str, value: Any) -> float:
+    """Return a Poisson's ratio inside the open range (-1, 0.5), or raise ``ValueError``."""
+    return number(name, value, above=-1.0, below=0.5, scalar=True)
+
+
 def youngs_modulus(name: str, value: Any) -> float:
     """Return a Young's modulus in Pa; the error of one in GPa or MPa suggests the value in Pa."""
     try:

@@ -25,7 +25,7 @@ WRONG = [
     (f"joint {SIZES} --force 1 --tilt 999", "tilt must be >= 0 and <= 170 deg, got 999 deg"),
     ("joint --r2-star 50 --depth-star 0.1 --plot x.png", "plot requires a joint with dimensions"),
     (f"joint {SIZES} --plot x.png", "plot requires a joint with dimensions, and force, depth"),
-    ("joint --r2-star 50 --output study", "File 'study' is a directory"),
+    ("joint --r2-star 50 --output study", "output must be a file, got study"),
     ("joint nothing.csv", "'nothing.csv' does not exist"),
     ("joint README.md", "of README.md must have 1 cells"),
     ("joint examples/fit_your_curve.csv --jobs 0", "0 is not in the range"),
