@@ -38,4 +38,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    be_job("article", main)
+    be_job("article", main, PDFS)

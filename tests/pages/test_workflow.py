@@ -91,21 +91,25 @@ def test_the_pages_of_the_report_have_their_links_and_no_path_of_this_machine(pr
     assert 'id="study.contact.laws.Hertz"' in pages["api/study.contact.html"].read_text()
 
 
-def test_an_empty_result_is_made_again_and_never_accepted(project):
+def test_damaged_files_are_made_again_and_never_accepted(project):
     build = project / "build"
     good = (build / "results/curve.png").read_bytes()
     (build / "results/curve.png").write_bytes(b"")
-    (build / "results/law.csv").unlink()
+    (build / "results/law.csv").write_text("force\n")
+    (build / "paper.pdf").unlink()
     (build / "supplement.pdf").write_bytes(b"")
+    (build / "report/index.html").write_bytes(b"")
+    os.utime(build / "results/total.csv", (2e9, 2e9))
     (build / "results/.part-0").mkdir()  # which a killed job leaves
     done = study(project, "run", "curve", "law", "--accept")
     assert (ran(done), "accepted" in done.stdout) == ([CURVE, LAW], False)
     assert (build / "results/curve.png").read_bytes() == good
     done = study(project, "run")
-    assert {"article", "report"} <= {*ran(done)}
+    assert ran(done) == sorted([TOTAL, "article", "report"])
     assert last(done) == (0, "4 results: 4 identical, 0 agree, 0 differ")
+    assert (build / "paper.pdf").read_bytes().startswith(b"%PDF")
     assert (build / "supplement.pdf").read_bytes().startswith(b"%PDF")
-    assert not (build / "results/.part-0").exists()
+    assert "</html>" in (build / "report/index.html").read_text()
 
 
 def test_a_new_time_or_a_change_of_the_surface_is_no_change(project):
@@ -141,14 +145,6 @@ def test_what_has_changed_is_run_with_its_readers_and_nothing_else(project):
     shutil.rmtree(project / ".snakemake")
     assert ran(study(project, "run", "law")) == [LAW]
     assert ran(study(project, "run", *NAMES)) == [CURVE, TOTAL]
-
-
-def test_damaged_data_stop_a_run_with_one_line(project):
-    append(project / "data/datapackage.json", " ")
-    for words in ((), ("-p", "r2_star=100")):
-        done = study(project, "run", "law", *words)
-        assert (done.returncode, ran(done)) == (1, [])
-        assert "git checkout -- data/datapackage.json" in done.stderr.splitlines()[0]
 
 
 @pytest.mark.parametrize(
@@ -230,6 +226,15 @@ def test_a_picture_that_is_drawn_differently_is_named(project):
     assert (project / "figures/curve.csv").read_bytes() == before
 
 
+def test_damaged_data_stop_a_run_with_one_line(project):
+    path = project / "data/datapackage.json"
+    path.write_text(path.read_text().replace("title", "tytle", 1))
+    for words in ((), ("-p", "r2_star=100")):
+        done = study(project, "run", "law", *words)
+        assert (done.returncode, ran(done)) == (1, [])
+        assert "git checkout -- data/datapackage.json" in done.stderr.splitlines()[0]
+
+
 def test_other_parameters_have_their_own_folder(project):
     before = {path: path.read_bytes() for path in (project / "figures").iterdir()}
     done = study(project, "run", "curve", "-p", "scale=2")
@@ -237,6 +242,16 @@ def test_other_parameters_have_their_own_folder(project):
     folder = project / "build/with/scale=2"
     assert (folder / "numbers.csv").read_text() == "case,force\na,2\nb,10\n"
     assert (folder / "01-curve.ipynb").is_file()
+    for words, message in (
+        (["curve", "-p", "skale=1"], "parameter of 01-curve must be one of scale, got 'skale'"),
+        (["curve", "-p", "scale"], "-p must be KEY=VALUE, got 'scale'"),
+        (["-p", "scale=2"], "-p and --accept must be given with a NAME"),
+        (["curve", "-p", "scale=2", "--accept"], "-p cannot be used together with --accept"),
+        (["curve", "-p", "scale=2", "--", "-n"], "-p cannot be used together with --accept or"),
+    ):
+        code, line = last(study(project, "run", *words))
+        assert code == 2
+        assert message in line
     assert {path: path.read_bytes() for path in (project / "figures").iterdir()} == before
 
 
@@ -251,9 +266,9 @@ def test_a_notebook_outside_the_workflow_writes_to_a_folder_for_experiments(proj
         check=True,
         capture_output=True,
     )
-    said = "This is no run of the workflow: results are written to build/scratch."
+    said = "This is no run of the workflow: results are written to build/scratch/01."
     assert json.dumps(json.loads(output.read_text())).count(said) == 1
-    assert (project / "build/scratch/numbers.csv").read_text() == "case,force\na,3\nb,15\n"
+    assert (project / "build/scratch/01/numbers.csv").read_text() == "case,force\na,3\nb,15\n"
     assert {path: path.read_bytes() for path in (project / "figures").iterdir()} == before
 
 
