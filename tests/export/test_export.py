@@ -223,7 +223,7 @@ def test_power_is_fitted_in_the_range_that_is_asked_for():
 
 @pytest.mark.slow
 def test_a_power_law_along_a_displacement_off_the_axis():
-    joint = replace(BRONZE, ball_support="core:0.3", rim="free")
+    joint = replace(BRONZE, ball_support="neck:30", rim="free")
     text, fit = export("power", "c", joint, tilt=20), joint.power_law(tilt=20)
     assert k_and_n(text) == pytest.approx(fit[:2], rel=1e-8)
     words = r"20 deg off the axis; between 10 and 30 deg the .* up to (\S+) % and .* (\S+) %"
