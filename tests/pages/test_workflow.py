@@ -266,9 +266,9 @@ def test_a_notebook_outside_the_workflow_writes_to_a_folder_for_experiments(proj
         check=True,
         capture_output=True,
     )
-    said = "This is no run of the workflow: results are written to build/scratch/01."
+    said = "This is no run of the workflow: results are written to build/scratch."
     assert json.dumps(json.loads(output.read_text())).count(said) == 1
-    assert (project / "build/scratch/01/numbers.csv").read_text() == "case,force\na,3\nb,15\n"
+    assert (project / "build/scratch/numbers.csv").read_text() == "case,force\na,3\nb,15\n"
     assert {path: path.read_bytes() for path in (project / "figures").iterdir()} == before
 
 
