@@ -75,7 +75,7 @@ GROUPS = {
     "liner": "thin liners: between rigid bodies, and real liners in their housings",
     "validation": "random joints in the range of stiffened_hertz, to validate it",
 }
-FREE_VALIDATION, HELD_VALIDATION = 300, 36
+FREE_VALIDATION, HELD_VALIDATION, REFERENCE_VALIDATION = 300, 36, 40
 HELD = (("clamped", "mirror"), ("guided", "free"), ("clamped", "free"))
 LINER_THICKNESSES = (0.003, 0.015, 0.04, 0.1, 0.2, 0.3)
 LINER_POISSONS = (0.1, 0.3, 0.4, 0.45, 0.475, 0.49)
@@ -106,9 +106,10 @@ def _liners():
 def _validation_set():
     """Random joints in the range of stiffened_hertz, which are the same in every run.
 
-    `HELD_VALIDATION` of them have other supports than a guided ball and a mirror rim. They are
-    solved by finite elements, and therefore combine only a few balls and sockets. One socket in ten
-    is practically infinitely thick.
+    The first `FREE_VALIDATION` have a guided ball and a mirror rim. The next `HELD_VALIDATION` have
+    other supports; as they are solved by finite elements, they combine a few balls and sockets. The
+    last `REFERENCE_VALIDATION` have the supports of the reference joint, and a ball and a socket
+    each. One socket in ten is practically infinitely thick.
     """
     draw = np.random.default_rng(2024)
     (low, high), (thin, _) = RANGES["poisson"], RANGES["socket_ratio"]
@@ -121,11 +122,13 @@ def _validation_set():
         return round(1 + thickness, 3) if draw.random() < 0.9 else 1000.0, ball()
 
     balls, sockets = [ball() for _ in range(3)], [socket() for _ in range(6)]
-    for k in range(FREE_VALIDATION + HELD_VALIDATION):
-        held = k >= FREE_VALIDATION
+    for k in range(FREE_VALIDATION + HELD_VALIDATION + REFERENCE_VALIDATION):
+        held = 0 <= k - FREE_VALIDATION < HELD_VALIDATION
         nu = balls[k % 3] if held else ball()
         ratio, socket_nu = sockets[k // 3 % 6] if held else socket()
-        support, rim = (("guided", "mirror"), *HELD)[1 + draw.integers(3) if held else 0]
+        support, rim = ("guided", "mirror") if k < FREE_VALIDATION else ("clamped", "free")
+        if held:
+            support, rim = HELD[draw.integers(3)]
         share = draw.random() ** draw.choice([0.5, 1, 2])
         modulus = 2e11 * share / (1 - share) * (1 - socket_nu**2) / (1 - nu**2)
         joint = {"socket": Material(float(f"{modulus:.4g}"), socket_nu), "socket_ratio": ratio}
