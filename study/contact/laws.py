@@ -305,7 +305,7 @@ class StiffenedHertz(Law):
     hemispherical socket of one material that is fixed all over its outside, pressed along the axis.
     `study.contact.stiffening` has the nine ``constants`` c1 to c9 of a joint. The law is for small
     displacements, ds <= 1 and the ranges of `study.contact.stiffening.RANGES`. Its largest error is
-    0.22 % on 336 random joints, and 0.57 % at the ends of the ranges (notebook 15).
+    0.22 % on 376 random joints, and 0.57 % at the ends of the ranges (notebook 15).
     """
 
     constants: tuple[float, ...]

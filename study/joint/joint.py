@@ -409,8 +409,8 @@ class Joint(JointDescription):
         --------
         >>> joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
         >>> fit = joint.power_law()
-        >>> print(f"k = {fit.coefficient:.3e} N/m^n, n = {fit.exponent:.3f}, {fit.error:.1%}")
-        k = 2.272e+12 N/m^n, n = 1.653, 1.0%
+        >>> print(f"k = {fit.coefficient:.7g} N/m^n, n = {fit.exponent:.7g}, {fit.error:.2%}")
+        k = 2.272481e+12 N/m^n, n = 1.652578, 1.04%
         """
         unit = self.clearance
         low, high = depths or (share * unit for share in USUAL_RANGE)

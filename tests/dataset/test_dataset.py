@@ -45,8 +45,11 @@ def test_dataset_holds_the_papers_design_the_wider_sweep_and_every_group():
     assert not frame.isna().any().any()
     assert set(frame.group) == set(design.GROUPS)
     validation = frame[frame.group == "validation"].drop_duplicates("case")
-    assert len(validation) == design.FREE_VALIDATION + design.HELD_VALIDATION
-    assert validation.groupby(["ball_support", "rim"]).size().min() >= 8
+    counts = design.FREE_VALIDATION, design.HELD_VALIDATION, design.REFERENCE_VALIDATION
+    assert len(validation) == sum(counts)
+    of_supports = validation.groupby(["ball_support", "rim"]).size()
+    assert of_supports.min() >= 8
+    assert of_supports["clamped", "free"] >= design.REFERENCE_VALIDATION
 
 
 def test_filters_select_rows():

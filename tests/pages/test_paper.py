@@ -5,6 +5,8 @@ import pkgutil
 import re
 import shutil
 
+import numpy as np
+import pandas as pd
 import pytest
 import typeset
 import typst
@@ -12,7 +14,7 @@ import typst
 from study import paths
 from study.checks import StudyError
 from study.contact import StiffenedHertz
-from study.joint import reference_joint
+from study.joint import Joint, reference_joint
 
 SOURCE = paths.PAPER / "paper.typ"
 TEXT = SOURCE.read_text(encoding="utf-8")
@@ -45,6 +47,28 @@ def test_the_worked_example_is_that_of_the_law():
     law = StiffenedHertz.of(reference_joint(200))
     for name, derivative in (("force", False), ("slope", True)):
         assert worked[name] == pytest.approx(law(0.25, derivative=derivative), rel=1e-5)
+
+
+def test_the_worked_example_of_the_closed_form_is_that_of_the_elastic_solution():
+    (worked,) = json.loads(
+        typst.query(SOURCE, "<closed-worked>", field="value", **typeset.options())
+    )
+    elastic = Joint.from_ratios(200, 1.5).solve(depth_star=0.25).force_star[0]
+    assert worked["force"] == pytest.approx(elastic, rel=0.034)
+    assert worked["force"] == pytest.approx(53.28, abs=0.005)  # by hand
+
+
+def test_the_printed_power_law_has_the_stated_error():
+    ranges = pd.read_csv(paths.FIGURES / "power_ranges.csv").set_index(["from", "to"])
+    fitted = ranges.loc[(0.05, 0.5)]
+    printed = [
+        round(fitted[name], int(re.search(rf'"{name}"\), digits: (\d)', TEXT)[1]))
+        for name in ("k_star", "n")
+    ]
+    depth = np.geomspace(0.05, 0.5, 200)
+    elastic = reference_joint(200).table()(depth)
+    error = 100 * np.abs(printed[0] * depth ** printed[1] / elastic - 1).max()
+    assert error < np.ceil(100 * fitted.error_percent) / 100  # in the article: rounded upwards
 
 
 def test_bounds_are_rounded_outwards():
