@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import study
-from study import checks, contact, paths
+from study import checks, contact, joint, paths
 from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
@@ -67,6 +67,19 @@ def test_which_law_is_right():
     (ends,) = claimed(r"ends of these ranges it is within (\S+) %")
     largest = kept("judged", "group").largest_percent
     assert largest["ends of the ranges"] == pytest.approx(ends, abs=0.05)
+
+
+def test_the_closed_form_gives_the_depth():
+    _, formula = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    (percent,) = claimed(r"was not fitted it is within (\S+) %; it is for depths")
+    elastic = joint.Joint.from_ratios(200, 1.5).solve(depth_star=[0.1, 0.5, 1.0])
+    bodies = {"r2_star": 200, "q": 1.5, "nu1": 0.3, "nu2": 0.3, "s": 0.5}
+    given = bodies | {"force_star": elastic.force_star}
+    exec(formula, given)
+    # the force grows at least with the power 1.5 of the depth
+    assert given["depth_star"] == pytest.approx(elastic.depth_star, rel=percent / 150)
+    errors = kept("closed_form_numbers", "what", "name").value["error"]
+    assert percent - 0.1 < errors["force"] <= percent
 
 
 def test_the_verdicts_on_the_statements():
@@ -150,7 +163,7 @@ def test_the_force_errors_of_other_joints(run, options, percent):
 
 
 def test_the_example_runs():
-    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    example, _ = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     names = {}
     exec(compile(example, "README.md", "exec"), names)
     assert names["law"].force(names["law"].depth(3000)) == pytest.approx(3000)
