@@ -16,4 +16,4 @@ rod_end = Joint(
 solution = rod_end.solve(force=5000)  # N, across the bore by default
 power = rod_end.power_law()  # k and n across the bore
 print(f"depth {1e6 * solution.depth[0]:.3f} um, peak {1e-6 * solution.peak_pressure[0]:.1f} MPa")
-print(f"k = {power.coefficient:.4g} N/m^n, n = {power.exponent:.4f}, within {power.error:.2%}")
+print(f"k = {power.coefficient:.7g} N/m^n, n = {power.exponent:.7g}, within {power.error:.2%}")
