@@ -36,6 +36,10 @@ class UnitWarning(UserWarning):
     """A value that was probably meant in another unit."""
 
 
+class EnergyWarning(UserWarning):
+    """The energy balance of a simulation shows that its contact force is wrong."""
+
+
 class RangeError(ValueError):
     """A valid value that is outside the range allowed here."""
 

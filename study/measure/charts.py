@@ -181,7 +181,8 @@ def evaluations(tolerance):
 
 
 def _explicit(law, step, scheme):
-    return explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)[0][1:]
+    rows = explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)
+    return rows["slider_acceleration"][1:]
 
 
 @compiled

@@ -3,7 +3,8 @@
 The equations are those of `study.mechanism.rigid`, always in the coordinates (theta, e_x, e_y). The
 times of impacts are not located: a contact begins with the first step that ends in overlap, and its
 approach speed is the rate of the depth at the end of this step. If the surfaces no longer approach
-each other then, the contact is not damped.
+each other then, the contact is not damped. The energies lost, and the work of the loads, are
+integrated over the steps by the trapezoidal rule.
 """
 
 from math import inf, sqrt
@@ -16,8 +17,10 @@ from study.contact.forces import elastic_force, friction_regime
 from study.mechanism import rigid
 from study.mechanism.angles import angle_of, norm, sine_cosine
 from study.mechanism.law_in_scene import in_scene
+from study.mechanism.response import OUTPUT
+from study.mechanism.rigid import LOST_DAMPING
 from study.mechanism.scene import Scene
-from study.mechanism.stepping import MechanismError, divide
+from study.mechanism.stepping import MechanismError, add_stored_energy, divide
 
 SCHEMES = ("symplectic Euler", "velocity Verlet", "RK4")
 EULER, VERLET, RK4 = range(len(SCHEMES))
@@ -26,7 +29,6 @@ STAGES = 1, 2, 4
 THETA, EX, EY, OMEGA, EX_RATE, EY_RATE = range(6)
 """Places in a state: the crank's angle and the eccentricity, and their rates."""
 FIRST, SECOND, THIRD = range(3)  # stages of a step
-OUTPUT = np.dtype([("slider_acceleration", float), ("depth", float)])
 
 
 @compiled
@@ -37,9 +39,18 @@ def acceleration(y, contact, approach, p, law, work, out):
     a contact without damping.
     Returns the slider's acceleration.
     """
+    return _motion(y, contact, approach, p, law, work, out)[0]
+
+
+@compiled
+def _motion(y, contact, approach, p, law, work, out):
+    """As `acceleration`, with the rates of the integrals and the `ContactState`.
+
+    ``work`` is then the state in the coordinates of `rigid.motion`.
+    """
     r = norm(y[EX], y[EY])
     closed, regime = contact and r > law.clearance, 0
-    work[:] = y
+    work[: len(y)] = y
     if closed:  # there the coordinates of `rigid.motion` are (theta, depth, direction)
         nx, ny = y[EX] / r, y[EY] / r
         rate, spin = nx * y[EX_RATE] + ny * y[EY_RATE], (nx * y[EY_RATE] - ny * y[EX_RATE]) / r
@@ -49,12 +60,13 @@ def acceleration(y, contact, approach, p, law, work, out):
         sp = (y[EY] - p.l1 * st) / p.l2
         psi = (y[EY_RATE] - p.l1 * ct * y[OMEGA]) / (p.l2 * sqrt(1 - sp * sp))
         regime = friction_regime(r * spin + p.r1 * psi, p.v0, p.v1)
-    motion = rigid.motion(work, rigid.ContactState(closed, regime, approach), p, law)
+    state = rigid.ContactState(closed, regime, approach)
+    motion = rigid.motion(work, state, p, law)
     out[THETA], out[EX], out[EY] = motion.accelerations
     if closed:
         outward, across = out[EX] - r * spin * spin, r * out[EY] + 2 * rate * spin
         out[EX], out[EY] = outward * nx - across * ny, outward * ny + across * nx
-    return motion.slider
+    return motion.slider, motion.powers, state
 
 
 @compiled
@@ -77,15 +89,15 @@ def _limit(y, depth, approach, p, law):
 
 
 @compiled
-def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
-    """Take ``strides`` steps for each of ``outputs`` outputs; fill the rows of ``history``.
+def advance(scheme, y, approach, p, law, h, strides, outputs, rows, guarded):
+    """Take ``strides`` steps for each of ``outputs`` outputs; fill the ``rows``.
 
     Returns the number of outputs reached, which is smaller after a failure. The second value is
     then the limit of the step if it was exceeded, or 0 if the depth exceeded one clearance.
     """
-    a, slopes, stage, work = np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(6)
-    depth = norm(y[EX], y[EY]) - law.clearance
-    pull = acceleration(y, True, approach, p, law, work, a)
+    a, slopes, stage, work = np.zeros(3), np.zeros((3, 3)), np.zeros(6), np.zeros(9)
+    depth, integrals = norm(y[EX], y[EY]) - law.clearance, work[LOST_DAMPING:]
+    _, powers, state = _motion(y, True, approach, p, law, work, a)
     for output in range(outputs + 1):
         for _ in range(strides if output > 0 else 0):
             if guarded and depth > 0:
@@ -97,8 +109,11 @@ def advance(scheme, y, approach, p, law, h, strides, outputs, history, guarded):
             if not depth <= law.clearance:  # NaN too
                 return output, 0.0
             approach = _approach(y, before, depth, approach)
-            pull = acceleration(y, True, approach, p, law, work, a)
-        history[output].slider_acceleration, history[output].depth = pull, depth
+            old = powers
+            _, powers, state = _motion(y, True, approach, p, law, work, a)
+            for i in range(len(integrals)):
+                integrals[i] += 0.5 * h * (old[i] + powers[i])
+        rigid.write_output(rows[output], work, rigid.motion(work, state, p, law), p)
     return outputs + 1, 0.0
 
 
@@ -169,8 +184,8 @@ def integrate(
     start: ArrayLike | None = None,
     approach: float = inf,
     guarded: bool = True,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Slider's acceleration in m/s^2 and depth of the clearance joint in m, shapes (outputs + 1,).
+) -> NDArray[np.void]:
+    """Rows of output with the fields `study.mechanism.response.ALL_COLUMNS`, shape (outputs + 1,).
 
     The duration in s is divided into ``outputs`` equal intervals, and each of these into steps of
     one of `SCHEMES`, in s and at most ``step``. The law is from `packed`. The start is the state at
@@ -182,8 +197,10 @@ def integrate(
     """
     y = np.array(start_of(scene) if start is None else start, float)
     strides, h = divide(duration * np.arange(2) / outputs, step)
-    history = np.zeros(outputs + 1, OUTPUT)
-    arguments = (scene.constants(), law, h, strides, outputs, history, guarded)
+    rows = np.zeros(outputs + 1, OUTPUT)
+    rows["time"] = duration * np.arange(outputs + 1) / outputs
+    table = rows.view(np.recarray)
+    arguments = (scene.constants(), law, h, strides, outputs, table, guarded)
     reached, limit = advance(SCHEMES.index(scheme), y, float(approach), *arguments)
     if reached <= outputs:
         what = f"the penetration depth must stay <= one clearance ({scene.clearance:g} m)"
@@ -193,4 +210,5 @@ def integrate(
         raise MechanismError(
             f"{what}; the run stopped before {time:.9g} s with a step of {h:.4g} s"
         )
-    return history["slider_acceleration"], history["depth"]
+    add_stored_energy(table, law)
+    return rows

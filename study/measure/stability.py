@@ -109,7 +109,7 @@ def observed_step(
             ]
         except MechanismError:
             return True
-        (first, _), (second, _) = runs
+        first, second = (rows["slider_acceleration"] for rows in runs)
         apart = np.abs(second - first)
         return not apart.max() < 10 * apart[:2].max()
 

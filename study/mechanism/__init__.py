@@ -9,6 +9,7 @@ or `beams`, stepped implicitly; they start straight, with the velocities of rigi
 All models have the same `loads`, and the moment that holds a constant crank speed is an output.
 """
 
+from study.checks import EnergyWarning
 from study.mechanism.law_in_scene import clearance_joint
 from study.mechanism.particles import stable_step
 from study.mechanism.response import Response
@@ -17,6 +18,7 @@ from study.mechanism.simulate import simulate
 from study.mechanism.stepping import MechanismError
 
 __all__ = [
+    "EnergyWarning",
     "MechanismError",
     "Response",
     "Scene",

@@ -15,6 +15,8 @@ def main() -> None:
     for number, model in enumerate(KINDS, 1):
         start = perf_counter()
         simulate(Scene(), law="hertz", model=model, duration=1e-5, outputs=1)
+        if model == "rigid":
+            simulate(Scene(), model=model, joint="ideal", duration=1e-5, outputs=1)
         what = f"links of model {model} ({number} of {len(KINDS)}, {perf_counter() - start:.0f} s)"
         print(f"  compiled {what}", flush=True)
 

@@ -29,9 +29,9 @@ from study.mechanism.scene import Scene
 from study.mechanism.stepping import JointOutput
 
 Method = Literal["centred", "lagged", "unguarded"]
-OWN = "gap", "gap_rate", "slider", "slider_speed"
+OWN = "gap", "gap_rate", "slider", "slider_speed", "damping_power", "friction_power"
 """Numbers of the state besides those of all models: the depth at the last step and its mean rate;
-position of the slider, and its speed half a step before."""
+position of the slider, and its speed half a step before; rates of the energies lost."""
 LANES = 8  # numbers in a processor's widest vector: loops over multiples are compiled to vectors
 Chain = namedtuple("Chain", "elements bodies pin last frequency ideal lagged guarded")
 """What does not change: elements and particles as in `Frame`, a row for each quantity; numbers of
@@ -200,8 +200,7 @@ def _joint(ex, ey, depth, load, slider_mass, state, motion, chain, workspace, p,
     workspace[FORCE_X, last] -= fx
     workspace[FORCE_Y, last] -= fy
     workspace[MOMENT, last + 1] += p.r1 * tangential
-    state.lost_damping += h * (normal - elastic) * rate
-    state.lost_friction -= h * tangential * sliding
+    state.damping_power, state.friction_power = (normal - elastic) * rate, -tangential * sliding
     return JointOutput(ex, ey, depth, normal, tangential, fx, fy), limit
 
 
@@ -273,6 +272,8 @@ def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, 
                 return done, stepping.TOO_DEEP
             joint = JointOutput(ex, ey, depth, 0.0, 0.0, 0.0, 0.0)
             event = _follow_gap(state, impacts, depth, h)
+            damped, rubbed = state.damping_power, state.friction_power
+            state.damping_power = state.friction_power = 0.0
             if depth > 0:
                 joint, limit = _joint(
                     ex, ey, depth, on_slider, slider_mass, state, m, chain, workspace, p, law, h
@@ -280,6 +281,9 @@ def advance(state, motion, chain, workspace, p, law, h, strides, rows, impacts, 
                 if chain.guarded and not h <= limit:  # nor if the limit is no number
                     state.limit = limit
                     return done, stepping.FAILED
+            state.lost_damping += 0.5 * h * (damped + state.damping_power)
+            state.lost_friction += 0.5 * h * (rubbed + state.friction_power)
+            if depth > 0:
                 largest = stepping.follow_impact(impacts, state, joint.normal, depth)
         pull = (joint.force_x + on_slider.value) / slider_mass  # the slider's acceleration
         finite = _accelerate(m, bodies, workspace, h)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from study import checks
 from study.contact import SOCKET_RATIO, DimensionalLaw
+from study.contact.forces import stored_energy
 from study.parameters import Quantity, derived
 
 if TYPE_CHECKING:
@@ -65,7 +66,12 @@ IMPACT_COLUMNS = {
     "free_duration": Quantity("Duration of an elastic impact without other forces", "s"),
 }
 """Columns of the contacts, by name."""
-AT_REST = 1e-20  # energy in J up to which a mechanism rests: it is rounding
+ENERGIES = "work", "kinetic", "elastic", "lost_damping", "lost_friction"
+LEAST_MOVED = 1e-12  # J; rounding alone moves up to about 1e-20 J in flexible links at rest
+LEAST_FRACTION = 1e-3  # of the largest energy, that of a crank which turns freely for example
+CONTACT_ENERGY_LIMIT = 0.15
+"""Largest ``contact_energy_error`` of a correct contact force, chosen on the calibration runs of
+notebook 26 (this study)."""
 SUSTAINED = 10.0
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
 """A row of output; flexible links leave `CRANK_COLUMNS` at 0."""
@@ -161,13 +167,46 @@ class Response:
         ended = impacts[~np.isnan(impacts["separation_speed"])]
         return float((ended["time"] + ended["duration"]).max(initial=0.0))
 
-    @derived("Maximum change of work - kinetic - elastic - lost, over the maximum of these")
-    def energy_error(self) -> float:  # noqa: D102
-        lost = self.lost_damping, self.lost_friction
-        energies = np.column_stack([self.work, self.kinetic, self.elastic, *lost])
-        rest = self.work - energies[:, 1:].sum(axis=1)
-        largest = float(np.abs(energies).max())
-        return 0.0 if largest <= AT_REST else float(np.abs(rest - rest[0]).max()) / largest
+    @derived("Maximum residual of the energy balance, over the energy that moved")
+    def energy_error(self) -> float:
+        """Maximum change of work - kinetic - elastic - lost, over the maximum change of these.
+
+        The latter is at least `LEAST_FRACTION` of the largest energy, and `LEAST_MOVED`.
+        """
+        energies = np.column_stack([self.rows[name] for name in ENERGIES])
+        moved = float(np.abs(energies - energies[0]).max())
+        return self._residual / max(moved, LEAST_FRACTION * np.abs(energies).max(), LEAST_MOVED)
+
+    @derived("The same residual, over the elastic energy that all contacts have stored")
+    def contact_energy_error(self) -> float:
+        """A large one shows a wrong contact force; 0 without contacts.
+
+        The stored energy is the sum over all contacts of the elastic energy at their maximum depth.
+        """
+        if self.law is None or not len(self.impact_rows):
+            return 0.0
+        law = self.law.packed()
+        stored = sum(stored_energy(law, depth) for depth in self.impact_rows["peak_depth"])
+        return self._residual / max(stored, LEAST_MOVED)
+
+    @property
+    def _residual(self):
+        """Maximum change of work - kinetic - elastic - lost, in J."""
+        rest = self.work - sum(self.rows[name] for name in ENERGIES[1:])
+        return float(np.abs(rest - rest[0]).max())
+
+    @property
+    def energy_warning(self) -> str:
+        """Sentence if `contact_energy_error` exceeds `CONTACT_ENERGY_LIMIT`, else an empty text."""
+        error = self.contact_energy_error
+        if error <= CONTACT_ENERGY_LIMIT:
+            return ""
+        finer = "a smaller step" if self.tolerance is None else "a smaller tolerance"
+        return (
+            f"The residual of the energy balance is {error:.2g} of the elastic energy that the "
+            f"contacts stored, and in correct runs at most {CONTACT_ENERGY_LIMIT:g}: the contact "
+            f"force is probably wrong by more than 10 %; simulate again with {finer}."
+        )
 
 
 def exceeded_limits(
@@ -175,16 +214,17 @@ def exceeded_limits(
 ) -> dict[str, str]:
     """Model limits that the deepest contact exceeds: a key for each, and a sentence.
 
+    The key ``energy`` is for an energy balance that shows a wrong contact force.
     Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
     socket with the given ratio of its radii that is held at its whole outside.
     """
     from study.joint import Joint, limits, yielding  # a simulation needs no solver
 
     deepest = response.largest_depth
+    found = {"energy": response.energy_warning} if response.energy_warning else {}
     if deepest == 0:
-        return {}
+        return found
     depth_star, (ball, socket) = deepest / scene.clearance, scene.materials
-    found: dict[str, str] = {}
     if response.law:
         law = response.law.law
         found |= limits.law_limit(law.name, law.fitted_to, depth_star)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
+import warnings
 from collections.abc import Callable
 from math import sqrt
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from study.joint import Joint
 
 Model = Literal["rigid", "particles", "beams"]
-JointKind = Literal["clearance", "ideal"]
+JointKind = Literal["clearance", "ideal", "ideal_with_friction"]
 TOLERANCE, LEAST_TOLERANCE = 1e-8, 1e-12
 BEAM_STEP, ELEMENTS, MOST_STEPS = 1e-6, (4, 8), 1e10
 MOST_TURNED = 1e6
@@ -42,7 +43,11 @@ computing for rigid links. A crank far too short or light for its drive does not
         "et al.), or beams",
         choices=get_args(Model),
     ),
-    joint=Parameter("Joint between coupler and slider", choices=get_args(JointKind)),
+    joint=Parameter(
+        "Joint between coupler and slider: with clearance, ideal, or ideal with the friction of "
+        "the mechanism parameters, for rigid links only",
+        choices=get_args(JointKind),
+    ),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
         "Python it may also be a law such as ``Steuermann(n=2)``, a table of the values of a "
@@ -113,6 +118,11 @@ def simulate(
     Response
         After Ctrl-C it has the results up to then, and its attribute ``complete`` is False.
 
+    Warns
+    -----
+    EnergyWarning
+        If the energy balance shows that the contact force is wrong (`Response.energy_warning`).
+
     Raises
     ------
     ValueError
@@ -133,7 +143,7 @@ def simulate(
     duration, outputs = _taken("duration", duration), _taken("outputs", outputs)
     tolerance, step = _taken("tolerance", tolerance), _taken("step", step)
     elements, method = _taken("elements", elements), _taken("method", method)
-    flexible, gapless = model != "rigid", joint == "ideal"
+    flexible, gapless = model != "rigid", joint != "clearance"
     for name, value, used in (
         ("tolerance", tolerance, not flexible and not gapless),
         ("step", step, flexible),
@@ -143,6 +153,8 @@ def simulate(
         if value is not None and not used:
             which = f"model {model} with joint {joint}"
             raise ValueError(f"{name} does not apply to {which}; remove it")
+    if flexible and joint == "ideal_with_friction":
+        raise ValueError(f"joint must be clearance or ideal for model {model}, got {joint}")
     p = scene.constants()
     turned = abs(p.moment) * duration**2 / (2 * (p.a11 - p.m2 * p.l1**2))
     turned += abs(scene.starting_speed) * duration
@@ -162,13 +174,17 @@ def simulate(
     elif model == "beams":
         blocks = beams.blocks(scene, packed, times, gapless, step or BEAM_STEP, pair)
     elif gapless:
-        blocks = ideal.blocks(scene, times)
+        blocks = ideal.blocks(scene, times, joint == "ideal_with_friction")
     else:
         blocks = events.blocks(scene, packed, times, tolerance)
     restitution = scene.restitution, scene.delivered_restitution
     stated = None if flexible or gapless else tolerance
     told = None if gapless else of_joint, *restitution, stated
-    return _gather(blocks, scene, packed, COLUMNS if flexible else ALL_COLUMNS, told, progress)
+    columns = COLUMNS if flexible else ALL_COLUMNS
+    response = _gather(blocks, scene, packed, columns, told, progress)
+    if response.energy_warning:
+        warnings.warn(response.energy_warning, checks.EnergyWarning, stacklevel=2)
+    return response
 
 
 def _taken(name, value):

@@ -245,7 +245,8 @@ def test_an_explicit_step_that_meets_while_leaving_is_not_damped(scheme):
     numbers, clearance = explicit.packed(SLIPPERY, "hertz"), SLIPPERY.clearance
     for rate in (0.0, -1e-12, -1e-6):
         start = np.array([0.5, clearance * (1 + 1e-7), 0.0, 0.0, rate, 0.0])
-        pull, depth = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
+        rows = explicit.integrate(SLIPPERY, numbers, 2e-3, 200, 1e-6, scheme, start)
+        pull, depth = rows["slider_acceleration"], rows["depth"]
         assert np.isfinite(pull).all()
         assert depth.max() < 0.01 * clearance
         assert np.abs(pull).max() < 300
@@ -323,6 +324,6 @@ def test_explicit_steps_have_their_order_before_the_first_impact(scheme, order):
     exact = simulate(PAPER, duration=1.6e-3, outputs=4, tolerance=1e-12).depth
     assert (exact < 0).all()  # the slider rests, the ball moves
     how = PAPER, explicit.packed(PAPER, "hertz"), 1.6e-3, 4
-    found = [explicit.integrate(*how, step, scheme)[1] for step in (4e-4, 2e-4)]
+    found = [explicit.integrate(*how, step, scheme)["depth"] for step in (4e-4, 2e-4)]
     coarse, fine = (np.abs(values - exact)[1:].max() for values in found)
     assert np.log2(coarse / fine) > order - 0.4
