@@ -26,12 +26,9 @@ class Links:
     def __init__(self, scene: Scene, ideal: bool) -> None:
         s = self.scene = scene
         self.ideal, self.a, self.b = ideal, s.crank_length / 2, s.coupler_length / 2
-        of_crank = s.crank_mass * s.crank_length**2 / 12
-        of_coupler = s.coupler_mass * s.coupler_length**2 / 12
-        m1, m2 = s.crank_mass, s.coupler_mass
-        self.masses = np.array([m1, m1, of_crank, m2, m2, of_coupler, s.slider_mass])
-        bodies = s.ball or (s.youngs_modulus, s.poisson), s.socket or (s.youngs_modulus, s.poisson)
-        compliance = sum((1 - poisson**2) / modulus for modulus, poisson in bodies)
+        (i1, i2), m1, m2 = s.inertias, s.crank_mass, s.coupler_mass
+        self.masses = np.array([m1, m1, i1, m2, m2, i2, s.slider_mass])
+        compliance = sum((1 - of.poisson**2) / of.youngs_modulus for of in s.materials)
         effective = (s.socket_radius - s.clearance) * s.socket_radius / s.clearance
         self.stiffness = 4 / 3 / compliance * np.sqrt(effective)
         self.damping = 0.75 * (1 - s.restitution**2)  # Lankarani and Nikravesh
@@ -114,7 +111,7 @@ def motion(
     """
     links, t, found, impacts = Links(scene, ideal), 0.0, [], []
     y = links.start()
-    scale = np.array([1, 1, 10, 1, 1, 10, 1] + [100, 100, 1000, 100, 100, 1000, 100]) * 0.01
+    scale = np.array([1, 1, 10, 1, 1, 10, 1, 100, 100, 1000, 100, 100, 1000, 100]) * 1e-4
     while t < times[-1]:
         touching = links.approach < inf
 
@@ -134,7 +131,7 @@ def motion(
             dense_output=True,
             events=events,
             rtol=max(tolerance, 3e-14),
-            atol=tolerance * scale * 1e-2,
+            atol=tolerance * scale,
             max_step=LONGEST_STEP,
         )
         end = part.t[-1]

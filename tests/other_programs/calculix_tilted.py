@@ -1,9 +1,9 @@
 """A joint that is pressed off its axis, in CalculiX: bricks in space, contact by penalty.
 
 Half of a whole ball on a rigid core or at a rigid neck, and half of its socket, are meshed beside
-the plane of symmetry y = 0. Bricks have 20 nodes, all of them on spheres. Shells of bricks are thin at the
-contact, and at the core: thick ones there make the force 4 % too large. Displacements are small
-ones. Lengths are in socket radii R2 and stresses in E*.
+the plane of symmetry y = 0. Bricks have 20 nodes, all of them on spheres. Shells of bricks are thin
+at the contact, and at the core: thick ones there make the force 4 % too large. So do wide bricks at
+the edge of a neck. Displacements are small ones. Lengths are in socket radii R2 and stresses in E*.
 """
 
 import re
@@ -25,7 +25,7 @@ _RINGS = 0.6  # around it, over the elements of half its side
 _DEPTH_SCALE = 0.15  # elements grow from this depth below the surface on
 _NONE = 1e-12  # R2
 _FACE = [0, 1, 2, 3, 8, 9, 10, 11]  # nodes of a brick on its first face
-_EDGE = 0.15  # rad: elements grow from this distance from the edge of a neck on
+_EDGE = 0.05  # rad: elements grow from this distance from the edge of a neck on
 _HOLE = 0.05  # radius of the hole in the middle of a ball at a neck, over that of the ball
 _FAR, _GROWTH = np.radians(150), 0.3  # where the ball's second cap begins; growth towards it
 
@@ -41,10 +41,11 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     """CalculiX's input for one depth; the ball starts where it first touches.
 
     The joint has a core or a neck of 30 deg, ``linear`` kinematics, an opening below 90 deg, and a
-    socket of one material. A ball at a neck has a small hole in its middle, free of traction. The ``resolution``, at least 3, is bricks along half the side of the square in the
-    middle of the cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up
-    to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the rim where phi = 0, and larger
-    opposite. ``penalty`` is pressure per overclosure, in E*/R2.
+    socket of one material. A ball at a neck has a small hole in its middle, free of traction. The
+    ``resolution``, at least 3, is bricks along half the side of the square in the middle of the
+    cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up to 0.4 bricks
+    are smaller by (1 - shift)/(1 + shift) at the rim where phi = 0, and larger opposite.
+    ``penalty`` is pressure per overclosure, in E*/R2.
     """
     support = joint.ball_support
     if support != Neck(180 - np.degrees(_FAR)):
