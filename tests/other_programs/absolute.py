@@ -132,7 +132,7 @@ def motion(
             events=events,
             rtol=max(tolerance, 3e-14),
             atol=tolerance * scale,
-            max_step=LONGEST_STEP,
+            max_step=inf if ideal else LONGEST_STEP,
         )
         end = part.t[-1]
         for at in left:

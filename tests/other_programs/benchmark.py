@@ -173,7 +173,7 @@ def by_absolute_coordinates(case: str, tolerance: float = absolute.TOLERANCE) ->
     times, _ = _times(case)
     found, impacts = absolute.motion(scene, times, ideal, tolerance)
     rows = {t: dict(zip(MOTION, row, strict=True)) for t, row in zip(times, found, strict=True)}
-    name = "absolute coordinates with multipliers, SciPy's DOP853"
+    name = f"absolute coordinates with multipliers, SciPy's DOP853, tolerance {tolerance:.0e}"
     return Source(name, _picked(case, rows, impacts))
 
 
@@ -290,7 +290,10 @@ def by_cvode(case: str, tolerance: float = 1e-8) -> Source:
         law = explicit.packed(scene, "hertz")
         return cvode.slider_acceleration(scene, law, last, 1, tolerance)[0]
 
-    return Source(f"CVODE in C, SUNDIALS {cvode.version()}", _acceleration(case, run))
+    return Source(
+        f"CVODE in C, SUNDIALS {cvode.version()}, tolerance {tolerance:.0e}",
+        _acceleration(case, run),
+    )
 
 
 def by_exudyn(case: str, step: float = 4e-6) -> Source:
@@ -300,7 +303,7 @@ def by_exudyn(case: str, step: float = 4e-6) -> Source:
     def run(scene, last):
         return multibody.slider_acceleration(scene, last, 1, step)
 
-    name = f"Exudyn {exudyn.__version__}, generalised alpha, {step:g} s"
+    name = f"Exudyn {exudyn.__version__}, generalised alpha, step {step:g} s"
     return Source(name, _acceleration(case, run))
 
 
