@@ -1,4 +1,4 @@
-"""The four charts of ``make speed``: laws, solvers, steppers and flexible links, timed.
+"""The charts of ``make speed``, timed: laws, solvers, steppers, one second, flexible links.
 
 - ``laws``: a call of each law in a compiled loop, and making the law for a joint; errors are
   relative to the elastic solution of the reference joint.
@@ -7,6 +7,8 @@
 - ``steppers``: 0.3 s of the paper's mechanism with clearance, and how often each method evaluates
   the equations of motion; errors are relative to the method of this study with a very small
   tolerance.
+- ``second``: one second of the same mechanism, with the maximum force after the impacts and that of
+  the first impact; flexible links are compared with flexible links on a finer mesh.
 - ``flexible``: flexible links; errors are relative to the mean of both models on a finer mesh.
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
@@ -27,12 +29,12 @@ from study.contact.forces import elastic_force
 from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.joint.joint import table_of
-from study.measure import explicit, flexible, timing
+from study.measure import explicit, flexible, impulses, timing
 from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import events, paper_scene, simulate, stepping
 from study.mechanism.compare import normalised_rms
 
-Chart = Literal["laws", "solvers", "steppers", "flexible"]
+Chart = Literal["laws", "solvers", "steppers", "second", "flexible"]
 CHARTS = get_args(Chart)
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
 REFERENCE = reference_joint()  # of the laws
@@ -50,6 +52,13 @@ SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
 """Maximum steps in s; with longer ones the penetration depth becomes too large (notebook 19)."""
+SECOND, SETTLED = 1.0, 0.1  # s: simulated time, and when no rigid links have impacts any more
+MESHES: dict[flexible.Model, tuple[tuple[int, float | None, float], ...]] = {
+    "particles": ((2, None, SECOND), (4, None, SECOND), (8, None, SECOND)),
+    "beams": ((2, 1e-5, 0.5), (4, 4e-6, 0.5), (8, 4e-6, 0.5)),  # the run ends with an error at 0.92
+}
+"""Elements of the crank, step in s and simulated time in s, in the chart ``second``."""
+FINEST_MESH = (16, 32)  # of particles
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
@@ -59,12 +68,14 @@ def timed(chart: Chart, others: Sequence[Run] = (), repeats: int = 5) -> pd.Data
     Each call is timed some times, three times as often for laws, after one that is not counted.
     """
     if chart == "laws":
-        return laws(3 * repeats)
+        return laws(3 * repeats, others)
+    if chart == "second":
+        return second([*seconds(), *others], repeats)
     runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
     return timing.chart(chart, [*runs, *others], repeats)
 
 
-def laws(repeats: int) -> pd.DataFrame:
+def laws(repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
     """Time and error of the laws and of the elastic solution; Hertz's law is first.
 
     ``setup`` is the time to make the law of a joint. The elastic solution is timed for one depth,
@@ -88,6 +99,10 @@ def laws(repeats: int) -> pd.DataFrame:
     of_bodies = timing.spread("setup", bodies) | {"called": PYTHON}
     error = REFERENCE.solve(depth_star=CURVE_DEPTHS).force_star / exact - 1
     rows.append(timing.row("laws", "solver", setting, solving, error, **of_bodies))
+    for run in others:
+        times, total = timing.timed(partial(run.call, depths), repeats)
+        columns = {"error": run.error(total), **run.columns}
+        rows.append(timing.row("laws", run.method, run.setting, times / depths.size, **columns))
     return timing.table(rows)
 
 
@@ -116,11 +131,12 @@ def solvers() -> Iterator[Run]:
 
 def solver(method: str, setting: str, call: timing.Call, **columns: str) -> Run:
     """A row of the chart: ``call`` returns the forces of `FREE` at `CURVE_DEPTHS`."""
-    return Run(method, setting, call, lambda force: force / _finest_curve() - 1, columns)
+    return Run(method, setting, call, lambda force: force / finest_curve() - 1, columns)
 
 
 @cache
-def _finest_curve():
+def finest_curve():
+    """Forces of `FREE` at `CURVE_DEPTHS`, by a fine series."""
     return FREE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST_RESOLUTION).force_star
 
 
@@ -182,6 +198,69 @@ def evaluations(tolerance):
 
 def _explicit(law, step, scheme):
     return explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)[0][1:]
+
+
+def seconds() -> Iterator[Run]:
+    """One second by this study's methods, its default first, and by impulses on a rigid contact."""
+    for tolerance in (1e-8, 1e-2, 1e-4, 1e-6, 1e-10):
+        run = partial(_forces, tolerance=tolerance)
+        yield of_second(OURS, f"tolerance {tolerance:.2g}", run)
+    impulses.integrate(SCENE, 1e-3, 10)  # compiles
+    for step in (1e-4, 1e-5, 1e-6):
+        yield of_second("impulses", f"step {step:g} s", partial(_impulses, step))
+    for model, meshes in MESHES.items():
+        for n, step, duration in meshes:
+            options = {"model": model, "elements": (n, 2 * n), "step": step, "duration": duration}
+            _forces(**options | {"duration": 2e-3})  # compiles
+            setting = f"{n} and {2 * n} elements, {duration:g} s"
+            yield of_second(model, setting, partial(_forces, **options), _finest_links)
+
+
+def of_second(
+    method: str,
+    setting: str,
+    call: timing.Call,
+    exact: timing.Call | None = None,
+    **columns: str,
+) -> Run:
+    """A row of ``second``: ``call`` returns the maximum forces after `SETTLED` and at first, in N.
+
+    A force that is not reached is NaN.
+    """
+    return Run(method, setting, call, lambda forces: forces / (exact or _finest)() - 1, columns)
+
+
+def second(runs: Sequence[Run], repeats: int) -> pd.DataFrame:
+    """Rows of the chart ``second``: the error of the first impact has a column of its own."""
+    rows, measured = [], timing.timed_by_turns([run.call for run in runs], repeats)
+    for run, (times, forces) in zip(runs, measured, strict=True):
+        late, first = abs(run.error(forces))
+        columns = {"first_impact_error": first} | run.columns
+        rows.append(timing.row("second", run.method, run.setting, times, late, **columns))
+    return timing.table(rows)
+
+
+def _forces(duration=SECOND, **options):
+    impacts = simulate(SCENE, law="hertz", duration=duration, outputs=1, **options).impact_rows
+    late = impacts["time"] + impacts["duration"] > SETTLED
+    largest = impacts["peak_force"][late].max() if duration == SECOND else np.nan
+    return np.array([largest, impacts["peak_force"][0]])
+
+
+def _impulses(step):
+    forces, _ = impulses.integrate(SCENE, SECOND, round(SECOND / step))
+    return np.array([forces[round(SETTLED / step) :].max(), forces[forces > 0][0]])
+
+
+@cache
+def _finest():
+    return _forces(tolerance=1e-11)
+
+
+@cache
+def _finest_links():
+    largest, _ = _forces(model="particles", elements=FINEST_MESH)
+    return np.array([largest, flexible.reference("first impact")[1]])
 
 
 @compiled

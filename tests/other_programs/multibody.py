@@ -152,9 +152,7 @@ def crank_slider(
     return system.GetSensorStoredData(stored)[:, 1]
 
 
-def largest_forces(
-    scene: Scene, duration: float, step: float, after: float
-) -> NDArray[np.float64]:
+def largest_forces(scene: Scene, duration: float, step: float, after: float) -> NDArray[np.float64]:
     """Maximum normal force in N after a time, and that of the first contact, at ends of steps."""
     import exudyn as exu
     from exudyn.utilities import SensorObject
