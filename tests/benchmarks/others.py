@@ -6,9 +6,9 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import product
 
 import numpy as np
-from benchmarks import closed_form
 from other_programs import cables, calculix, compiled_lsoda, cvode, multibody, odes
 
+from benchmarks import closed_form
 from study.measure import charts, explicit, flexible, timing
 from study.measure.timing import COMPILED, PROGRAM, PYTHON, Run
 from study.mechanism import Scene

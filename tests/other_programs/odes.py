@@ -32,11 +32,10 @@ def slider_acceleration(
     """
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
-    p, work, out, pulls, evaluations = scene.constants(), np.zeros(6), np.zeros(3), [], 0
-    for contact, speed, _, states, evaluations in _pieces(
-        integrate, method, scene, law, times, rtol
-    ):
+    p, work, out, pulls = scene.constants(), np.zeros(6), np.zeros(3), []
+    for contact, speed, _, states, count in _pieces(integrate, method, scene, law, times, rtol):
         pulls += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
+        evaluations = count
     return np.array(pulls), evaluations
 
 
