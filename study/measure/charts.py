@@ -1,4 +1,4 @@
-"""The charts of ``make speed``, timed: laws, solvers, steppers, one second, flexible links.
+"""Four charts of ``make speed``: laws, solvers, steppers and flexible links, timed.
 
 - ``laws``: a call of each law in a compiled loop, and making the law for a joint; errors are
   relative to the elastic solution of the reference joint.
@@ -7,8 +7,6 @@
 - ``steppers``: 0.3 s of the paper's mechanism with clearance, and how often each method evaluates
   the equations of motion; errors are relative to the method of this study with a very small
   tolerance.
-- ``second``: one second of the same mechanism, with the maximum force after the impacts and that of
-  the first impact; flexible links are compared with flexible links on a finer mesh.
 - ``flexible``: flexible links; errors are relative to the mean of both models on a finer mesh.
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
@@ -29,12 +27,12 @@ from study.contact.forces import elastic_force
 from study.joint import Joint, Solver, kinematics, modes, reference_joint, series
 from study.joint.compliance import FINEST_RESOLUTION, RESOLUTION
 from study.joint.joint import table_of
-from study.measure import explicit, flexible, impulses, timing
+from study.measure import explicit, flexible, timing
 from study.measure.timing import OURS, PYTHON, Run
 from study.mechanism import events, paper_scene, simulate, stepping
 from study.mechanism.compare import normalised_rms
 
-Chart = Literal["laws", "solvers", "steppers", "second", "flexible"]
+Chart = Literal["laws", "solvers", "steppers", "flexible"]
 CHARTS = get_args(Chart)
 SIZES = {"ball_radius": 9.95e-3, "socket_radius": 10e-3, "composite_modulus": 1.1e11}  # of laws
 REFERENCE = reference_joint()  # of the laws
@@ -52,13 +50,6 @@ SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
 STEPS = (4e-6, 2e-6, 1e-6, 5e-7, 2e-7)
 LONGEST_STEPS = {"velocity Verlet": 1e-6, "RK4": 1e-6}
 """Maximum steps in s; with longer ones the penetration depth becomes too large (notebook 19)."""
-SECOND, SETTLED = 1.0, 0.1  # s: simulated time, and when no rigid links have impacts any more
-MESHES: dict[flexible.Model, tuple[tuple[int, float | None, float], ...]] = {
-    "particles": ((2, None, SECOND), (4, None, SECOND), (8, None, SECOND)),
-    "beams": ((2, 1e-5, 0.5), (4, 4e-6, 0.5), (8, 4e-6, 0.5)),  # the run ends with an error at 0.92
-}
-"""Elements of the crank, step in s and simulated time in s, in the chart ``second``."""
-FINEST_MESH = (16, 32)  # of particles
 TOLERANCES = (1e-8, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10)  # of the study's stepper
 
 
@@ -69,8 +60,6 @@ def timed(chart: Chart, others: Sequence[Run] = (), repeats: int = 5) -> pd.Data
     """
     if chart == "laws":
         return laws(3 * repeats, others)
-    if chart == "second":
-        return second([*seconds(), *others], repeats)
     runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
     return timing.chart(chart, [*runs, *others], repeats)
 
@@ -198,69 +187,6 @@ def evaluations(tolerance):
 
 def _explicit(law, step, scheme):
     return explicit.integrate(SCENE, law, DURATION, OUTPUTS, step, scheme, guarded=False)[0][1:]
-
-
-def seconds() -> Iterator[Run]:
-    """One second by this study's methods, its default first, and by impulses on a rigid contact."""
-    for tolerance in (1e-8, 1e-2, 1e-4, 1e-6, 1e-10):
-        run = partial(_forces, tolerance=tolerance)
-        yield of_second(OURS, f"tolerance {tolerance:.2g}", run)
-    impulses.integrate(SCENE, 1e-3, 10)  # compiles
-    for step in (1e-4, 1e-5, 1e-6):
-        yield of_second("impulses", f"step {step:g} s", partial(_impulses, step))
-    for model, meshes in MESHES.items():
-        for n, step, duration in meshes:
-            options = {"model": model, "elements": (n, 2 * n), "step": step, "duration": duration}
-            _forces(**options | {"duration": 2e-3})  # compiles
-            setting = f"{n} and {2 * n} elements, {duration:g} s"
-            yield of_second(model, setting, partial(_forces, **options), _finest_links)
-
-
-def of_second(
-    method: str,
-    setting: str,
-    call: timing.Call,
-    exact: timing.Call | None = None,
-    **columns: str,
-) -> Run:
-    """A row of ``second``: ``call`` returns the maximum forces after `SETTLED` and at first, in N.
-
-    A force that is not reached is NaN.
-    """
-    return Run(method, setting, call, lambda forces: forces / (exact or _finest)() - 1, columns)
-
-
-def second(runs: Sequence[Run], repeats: int) -> pd.DataFrame:
-    """Rows of the chart ``second``: the error of the first impact has a column of its own."""
-    rows, measured = [], timing.timed_by_turns([run.call for run in runs], repeats)
-    for run, (times, forces) in zip(runs, measured, strict=True):
-        late, first = abs(run.error(forces))
-        columns = {"first_impact_error": first} | run.columns
-        rows.append(timing.row("second", run.method, run.setting, times, late, **columns))
-    return timing.table(rows)
-
-
-def _forces(duration=SECOND, **options):
-    impacts = simulate(SCENE, law="hertz", duration=duration, outputs=1, **options).impact_rows
-    late = impacts["time"] + impacts["duration"] > SETTLED
-    largest = impacts["peak_force"][late].max() if duration == SECOND else np.nan
-    return np.array([largest, impacts["peak_force"][0]])
-
-
-def _impulses(step):
-    forces, _ = impulses.integrate(SCENE, SECOND, round(SECOND / step))
-    return np.array([forces[round(SETTLED / step) :].max(), forces[forces > 0][0]])
-
-
-@cache
-def _finest():
-    return _forces(tolerance=1e-11)
-
-
-@cache
-def _finest_links():
-    largest, _ = _forces(model="particles", elements=FINEST_MESH)
-    return np.array([largest, flexible.reference("first impact")[1]])
 
 
 @compiled

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import product
 
 import numpy as np
-from other_programs import cables, calculix, compiled_lsoda, cvode, multibody, odes
+from other_programs import cables, calculix, cvode, multibody, odes
 
 from benchmarks import closed_form
 from study.measure import charts, explicit, flexible, timing
@@ -88,35 +88,6 @@ def steppers() -> Iterator[Run]:
             yield charts.stepper("generalised alpha", f"step {step:g} s", call, **columns)
 
 
-def seconds() -> Iterator[Run]:
-    """CVODE in C, LSODA in compiled code and from Python, and Exudyn."""
-    law = explicit.packed(charts.SCENE, "hertz")
-    span = charts.SCENE, law, charts.SECOND
-    if found := cvode.version():
-        columns = {"program": "SUNDIALS", "version": f"{found}, gcc {' '.join(cvode.FLAGS[:2])}"}
-        for tolerance in (10.0**-n for n in range(3, 11)):
-            call = partial(cvode.largest_forces, *span, tolerance)
-            method = "CVODE in C, contact coordinates"
-            yield charts.of_second(method, f"tolerance {tolerance:.2g}", call, **columns)
-    if found := version_of("numbalsoda"):
-        compiled_lsoda.largest_forces(*span[:2], 1e-3, 1e-3)  # compiles
-        columns = {"program": "numbalsoda", "version": found}
-        for tolerance in (10.0**-n for n in range(4, 10)):
-            call = partial(compiled_lsoda.largest_forces, *span, tolerance)
-            yield charts.of_second("LSODA, compiled", f"tolerance {tolerance:.2g}", call, **columns)
-    odes.largest_forces("LSODA", *span[:2], 3e-3, 1e-3)  # compiles what is called by it
-    columns = {"program": "SciPy", "version": version_of("scipy"), "called": PYTHON}
-    for tolerance in (1e-4, 1e-6, 1e-8):
-        call = partial(odes.largest_forces, "LSODA", *span, tolerance)
-        yield charts.of_second("LSODA", f"tolerance {tolerance:.2g}", call, **columns)
-    if found := version_of("exudyn"):
-        columns = {"program": "Exudyn", "version": found}
-        for step in STEPS:
-            arguments = charts.SCENE, charts.SECOND, step, charts.SETTLED
-            call = partial(multibody.largest_forces, *arguments)
-            yield charts.of_second("generalised alpha", f"step {step:g} s", call, **columns)
-
-
 def flexible_links() -> Iterator[Run]:
     """Exudyn's ANCF cables, which have no shear: theirs is the limit of links without it."""
     if found := version_of("exudyn"):
@@ -150,7 +121,6 @@ OTHERS = {
     "laws": laws,
     "solvers": solvers,
     "steppers": steppers,
-    "second": seconds,
     "flexible": flexible_links,
 }
 """Chart -> runs of other programs."""

@@ -15,9 +15,7 @@ SLIPPERY = PAPER.replace(friction=0.0)
 def slider_of(scene, y):
     height = y[EY] - scene.crank_length * np.sin(y[THETA])
     return (
-        scene.crank_length * np.cos(y[THETA])
-        + np.sqrt(scene.coupler_length**2 - height**2)
-        - y[EX]
+        scene.crank_length * np.cos(y[THETA]) + np.sqrt(scene.coupler_length**2 - height**2) - y[EX]
     )
 
 
