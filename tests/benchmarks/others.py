@@ -29,7 +29,7 @@ def laws() -> Iterator[Run]:
     add, exact = closed_form.program(charts.FREE), charts.finest_curve()
     forces = np.array([add(np.array([depth])) for depth in charts.CURVE_DEPTHS])
     columns = {"program": "notebook 25"}
-    call = partial(add, clearance=charts.SIZES["socket_radius"] - charts.SIZES["ball_radius"])
+    call = partial(add, charts.CALLS, charts.SIZES["socket_radius"] - charts.SIZES["ball_radius"])
     yield Run("closed form", "7 steps", call, lambda _: forces / exact - 1, columns)
 
 
