@@ -69,8 +69,8 @@ def laws(repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
     """Time and error of the laws and of the elastic solution; Hertz's law is first.
 
     ``setup`` is the time to make the law of a joint. The elastic solution is timed for one depth,
-    and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well. The calls of other
-    programs are for the depths `CALLS` as well.
+    and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well. The calls of
+    ``others`` are at `CALLS` too.
     """
     exact = REFERENCE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST).force_star
     add_law(DimensionalLaw("hertz", **SIZES).packed(), CALLS[:2])  # compiled here, not counted
