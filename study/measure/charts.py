@@ -11,7 +11,7 @@
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
 Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and in turn
-with the methods of this study.
+with the methods of this study. A fifth chart, ``second``, is there too.
 """
 
 from collections.abc import Iterator, Sequence
