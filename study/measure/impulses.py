@@ -23,44 +23,32 @@ SWEEPS = 10  # of projected Gauss-Seidel
 
 
 @compiled
-def _changes(y, fx, fy, turn, p):
-    """Changes of (theta', e_x', e_y', phi') by an impulse on the ball and its moment about it."""
-    st, ct = sine_cosine(y[THETA])
-    sp = (y[EY] - p.l1 * st) / p.l2
+def _meet(y, approach, gap, h, restitution, p):
+    """Change the velocities by the impulses of a contact; returns the normal one."""
+    r, (st, ct) = norm(y[EX], y[EY]), sine_cosine(y[THETA])
+    nx, ny, sp = y[EX] / r, y[EY] / r, (y[EY] - p.l1 * st) / p.l2
     cp = sqrt(1 - sp * sp)
-    q1, q2 = p.l1 * (ct * fy - st * fx), p.l2 * (cp * fy - sp * fx) + turn
     coupling = p.a12 * (ct * cp + st * sp)
     inverse = 1 / (p.a11 * p.a22 - coupling * coupling)
-    alpha, beta = (p.a22 * q1 - coupling * q2) * inverse, (p.a11 * q2 - coupling * q1) * inverse
-    ex = fx / p.m3 - p.l1 * st * alpha - p.l2 * sp * beta
-    return np.array([alpha, ex, p.l1 * ct * alpha + p.l2 * cp * beta, beta])
-
-
-@compiled
-def _meet(y, approach, gap, h, restitution, p):
-    """Change the velocities of a contact; returns its normal impulse."""
-    r = norm(y[EX], y[EY])
-    nx, ny = y[EX] / r, y[EY] / r
-    by_normal, by_tangent = _changes(y, -nx, -ny, 0.0, p), _changes(y, -ny, nx, p.r1, p)
-    st, ct = sine_cosine(y[THETA])
-    sp = (y[EY] - p.l1 * st) / p.l2
-    psi = (y[EY_RATE] - p.l1 * ct * y[OMEGA]) / (p.l2 * sqrt(1 - sp * sp))
-    rate = nx * y[EX_RATE] + ny * y[EY_RATE]
-    sliding = nx * y[EY_RATE] - ny * y[EX_RATE] + p.r1 * psi
-    allowed = -restitution * approach
-    if approach <= SLOWEST_REBOUND:
-        allowed = gap / h if gap > 0 else CORRECTION * gap / h
-    rates = np.zeros((2, 2))  # of the depth and of sliding, by unit impulses
-    for j, by in enumerate((by_normal, by_tangent)):
-        rates[0, j] = nx * by[1] + ny * by[2]
-        rates[1, j] = nx * by[2] - ny * by[1] + p.r1 * by[3]
+    velocities, rates = np.zeros((3, 3)), np.zeros((3, 2))  # by unit impulses, and now
+    velocities[2] = y[OMEGA:]
+    for j, (fx, fy, turn) in enumerate(((-nx, -ny, 0.0), (-ny, nx, p.r1))):  # on the ball
+        q1, q2 = p.l1 * (ct * fy - st * fx), p.l2 * (cp * fy - sp * fx) + turn
+        alpha, beta = (p.a22 * q1 - coupling * q2) * inverse, (p.a11 * q2 - coupling * q1) * inverse
+        ex = fx / p.m3 - p.l1 * st * alpha - p.l2 * sp * beta
+        velocities[j] = alpha, ex, p.l1 * ct * alpha + p.l2 * cp * beta
+    for j, (omega, ex, ey) in enumerate(velocities):  # rates of depth and sliding
+        psi = (ey - p.l1 * ct * omega) / (p.l2 * cp)
+        rates[j] = nx * ex + ny * ey, nx * ey - ny * ex + p.r1 * psi
+    allowed = gap / h if gap > 0 else CORRECTION * gap / h
+    if approach > SLOWEST_REBOUND:
+        allowed = -restitution * approach
     normal = tangential = 0.0
     for _ in range(SWEEPS):
-        normal = max(0.0, -(rate - allowed + rates[0, 1] * tangential) / rates[0, 0])
-        stopping = -(sliding + rates[1, 0] * normal) / rates[1, 1]
+        normal = max(0.0, (allowed - rates[2, 0] - rates[1, 0] * tangential) / rates[0, 0])
+        stopping = -(rates[2, 1] + rates[0, 1] * normal) / rates[1, 1]
         tangential = min(max(stopping, -p.friction * normal), p.friction * normal)
-    for i in range(3):
-        y[3 + i] += normal * by_normal[i] + tangential * by_tangent[i]
+    y[OMEGA:] += normal * velocities[0] + tangential * velocities[1]
     return normal
 
 
