@@ -95,18 +95,22 @@ def test_a_depth_that_cannot_be_solved(deepest, message):
 MODEL = {"duration": 0.02, "outputs": 400, "law": "hertz"}
 
 
-def test_each_model_is_compared_with_a_finer_one():
+def test_each_model_is_compared_with_the_next():
     scene = paper_scene(link_modulus=1e9)
     table = compare_models(scene, **MODEL)
-    assert table.elements.fillna("").tolist() == ["", "", "2,4"]
-    assert table.relative_cost[1] == 1
-    for row, finer in zip(table.itertuples(), ("2,4", "2,4", "4,8"), strict=True):
-        finer = simulate(scene, model="particles", elements=finer, **MODEL)
-        elements = row.elements if row.model == "particles" else None
-        run = simulate(scene, model=row.model, joint=row.joint, elements=elements, **MODEL)
+    assert table.joint.tolist() == ["ideal", "ideal_with_friction", "clearance", "clearance"]
+    assert table.elements.fillna("").tolist() == ["", "", "", "2,4"]
+    assert table.relative_cost[2] == 1
+    runs = [
+        *(simulate(scene, joint=joint, **MODEL) for joint in table.joint[:3]),
+        *(simulate(scene, model="particles", elements=e, **MODEL) for e in ("2,4", "4,8")),
+    ]
+    for row, run, finer in zip(table.itertuples(), runs[:-1], runs[1:], strict=True):
         for name in ("position", "velocity", "acceleration"):
             error = compare.motion_nrms(finer, run, f"slider_{name}")
             assert getattr(row, f"{name}_error") == pytest.approx(error, rel=1e-12)
+        forces = [r.largest_force or r.normal_force.max() for r in (run, finer)]
+        assert row.peak_force_error == pytest.approx(abs(forces[0] / forces[1] - 1), rel=1e-9)
 
 
 @pytest.mark.parametrize(

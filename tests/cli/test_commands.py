@@ -165,7 +165,22 @@ def test_simulation_has_three_tables(table, run, tmp_path):
 
 def test_models_are_compared(table):
     found = table("models", "--duration", "10ms")
-    assert found.joint.tolist() == ["ideal", "clearance", "clearance"]
+    assert found.joint.tolist() == ["ideal", "ideal_with_friction", "clearance", "clearance"]
+
+
+@pytest.mark.parametrize("kind", ["summary", "impacts"])
+def test_a_wrong_contact_force_is_reported(run, table, kind):
+    words = ["simulate", "--model", "particles", "--method", "unguarded", "--elements", "2,4"]
+    words += ["--step", "3.5us", "--duration", "120ms", "--law", "hertz", "--table", kind]
+    if kind == "summary":
+        found = table(*words).iloc[0]
+        assert found.contact_energy_error > 1
+        assert found.applicability.split("; ")[0] == "energy"
+        assert "contact force is probably wrong" in found.warnings
+    else:
+        status, _, err = run(*words)
+        assert status == 0
+        assert "the contact force is probably wrong" in err
 
 
 def test_dataset_is_selected(table):
