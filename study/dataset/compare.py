@@ -15,7 +15,7 @@ CHAOTIC = (
     *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
     *("flexible_convergence", "stability_map"),
     *("numbers_08", "numbers_09"),
-    "visited",
+    *("visited", "ladder", "ladder_durations"),
 )
 """Results of simulated impacts, each of which increases the rounding error of the one before."""
 CHAOTIC_TOLERANCE = 1e-3
@@ -27,6 +27,8 @@ DIGITS = {
     "stability_contact": {"y": 3},
     "error_growth": {"difference_s": 3},
     "freed": {"ratio": 5, "factor": 4},
+    "ladder_mechanisms": {"to_next": 2, "to_second": 2, "to_finest": 2},
+    "ladder_durations": {"position_percent": 2, "largest_um": 2},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
     "axial_curves": {"error_estimate": 3, "contact_half_angle_deg": 7},
