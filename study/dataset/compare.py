@@ -12,7 +12,7 @@ OF_DIFFERENCES = 1e-12
 """Added to this tolerance, for rounding errors of differences between numbers of magnitude 1."""
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "error_budget"),
-    *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
+    *("variants", "durations", "agreement", "convergence"),
     *("flexible_convergence", "stability_map"),
     *("numbers_08", "numbers_09"),
     *("visited", "ladder", "ladder_durations"),
