@@ -19,12 +19,16 @@ from study import checks, paths
 from study.dataset import store
 
 Verdict = Literal["contradicted", "undecided", "reproduced"]
-Relation = Literal["=", "<", ">"]
+Relation = Literal["=", "<", "<=", ">", ">="]
 VERDICTS, RELATIONS = get_args(Verdict), get_args(Relation)
 KINDS = ("stated", "implied only", "used to identify", "trivially satisfied")
 """Only the verdict on a statement of the kind ``stated`` is evidence for or against the paper. The
 paper does not say the others explicitly, or they were used to identify the reference joint (or
 follow from what was used), or nearly any result would satisfy them."""
+MISSING = {"data": "data are missing", "wording": "wording allows several readings"}
+"""Why a statement is undecided, by what distinguishes its readings."""
+NO_TOLERANCE = "a tolerance is missing"
+REASONS = (*MISSING.values(), NO_TOLERANCE)
 CLAIMS = paths.DATA / "published/claims.csv"
 
 
@@ -70,8 +74,9 @@ def readings(evidence: str, row: str, column: str) -> dict[str, float]:
 def judge() -> pd.DataFrame:
     """Verdict on every statement from the results, ordered by kind and verdict.
 
-    The table is that of `load` without ``row``, ``column`` and ``assumes``, and with ``found``
-    (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict`` and ``depends_on``.
+    The table is that of `load` without ``row``, ``column``, ``readings`` and ``assumes``, and with
+    ``found`` (readings with their numbers, as text), ``lowest``, ``highest``, ``verdict``,
+    ``undecided_because`` and ``depends_on``.
     Raises the errors of `load` and `readings`.
     """
     claims, results = load(), []
@@ -79,18 +84,21 @@ def judge() -> pd.DataFrame:
         numbers = readings(claim.evidence, claim.row, claim.column)
         values = list(numbers.values())
         held = holds(values, claim.relation, claim.bounds)
+        found = verdict(values, claim.relation, claim.bounds)
         results.append(
             {
                 "found": "; ".join(f"{name}: {value:.4g}" for name, value in numbers.items()),
                 "lowest": min(values),
                 "highest": max(values),
-                "verdict": verdict(values, claim.relation, claim.bounds),
+                "verdict": found,
+                "undecided_because": reason(held, claim.readings) if found == "undecided" else "",
                 "depends_on": "; ".join(depends_on(list(numbers), held)) or claim.assumes,
             }
         )
-    judged = claims.drop(columns=["row", "column", "assumes", "bounds"]).join(pd.DataFrame(results))
-    order = (*KINDS, *VERDICTS).index
-    return judged.sort_values(["kind", "verdict"], key=lambda x: x.map(order), ignore_index=True)
+    judged = claims.drop(columns=["row", "column", "readings", "assumes", "bounds"])
+    judged, order = judged.join(pd.DataFrame(results)), (*KINDS, *VERDICTS, "", *REASONS).index
+    by = ["kind", "verdict", "undecided_because"]
+    return judged.sort_values(by, key=lambda x: x.map(order), ignore_index=True)
 
 
 def holds(
@@ -98,13 +106,14 @@ def holds(
 ) -> NDArray[np.bool_]:
     """Whether a statement is satisfied: shape (readings, bounds).
 
-    A number must be equal to the expected one (``=``), at most as large (``<``), or at least as
-    large (``>``). Each bound is the expected number, not 0, and the deviation in percent of it that
-    is allowed.
+    A number must be equal to the expected one (``=``), less (``<``), at most as large (``<=``),
+    more (``>``), or at least as large (``>=``). Each bound is the expected number, not
+    0, and the deviation in percent of it that is allowed.
     """
     expected, tolerance = np.asarray(bounds, float).T
     excess = (np.asarray(values)[:, None] - expected) / np.abs(expected) * 100
-    return {"=": np.abs(excess), "<": excess, ">": -excess}[relation] <= tolerance
+    excess = {"=": np.abs(excess), "<": excess, ">": -excess}[relation[0]]
+    return excess < tolerance if relation in ("<", ">") else excess <= tolerance
 
 
 def verdict(
@@ -122,6 +131,17 @@ def verdict(
         return "reproduced"
     between = relation == "=" and min(values) < min(bounds)[0] < max(values)
     return "undecided" if held.any() or between else "contradicted"
+
+
+def reason(held: NDArray[np.bool_], readings: str) -> str:
+    """Why a statement is undecided: one of `REASONS`.
+
+    ``held`` is the result of `holds`, and ``readings`` says what distinguishes the readings, as the
+    column of the statements does. Only if all readings agree at every tolerance, which they do not
+    decide then, a tolerance is missing.
+    """
+    by_tolerance = held.any() and (held == held[0]).all()
+    return NO_TOLERANCE if by_tolerance else MISSING[readings]
 
 
 def depends_on(readings: Sequence[str], held: NDArray[np.bool_]) -> list[str]:

@@ -13,7 +13,7 @@ OF_DIFFERENCES = 1e-12
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "error_budget"),
     *("variants", "durations", "agreement", "convergence"),
-    *("flexible_convergence", "stability_map"),
+    *("flexible_convergence", "stability_map", "lagged_windows"),
     *("numbers_08", "numbers_09"),
     *("visited", "ladder", "ladder_durations"),
 )

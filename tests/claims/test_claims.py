@@ -78,6 +78,10 @@ def test_the_notebook_depends_on_all_evidence():
         ([105, 111], "=", [(100, 1)], "contradicted"),
         ([95, 111], "=", [(100, 1)], "undecided"),
         ([-100], "=", [(-100, 1)], "reproduced"),
+        ([100], ">=", [(100, 0)], "reproduced"),
+        ([100], ">", [(100, 0)], "contradicted"),
+        ([100], "<=", [(100, 0)], "reproduced"),
+        ([100], "<", [(100, 0)], "contradicted"),
         ([150], ">", [(100, 1)], "reproduced"),
         ([50, 150], ">", [(100, 1)], "undecided"),
         # a bound of ours must not decide
@@ -94,6 +98,55 @@ def test_verdict_by_hand(values, relation, bounds, found):
         assert verdicts.depends_on(["a"], verdicts.holds(values, relation, bounds)) == decides
 
 
+@pytest.mark.parametrize(
+    ("values", "bounds", "found"),
+    [
+        ([7, 8], [(5, 0), (20, 0)], "a tolerance is missing"),
+        ([3, 30], [(5, 0), (20, 0)], "data are missing"),
+        ([3, 7], [(5, 0), (20, 0)], "data are missing"),  # a tolerance matters too
+    ],
+)
+def test_the_reason_of_an_undecided_statement(values, bounds, found):
+    held = verdicts.holds(values, "<=", bounds)
+    assert verdicts.reason(held, "data") == found
+    by_wording = found.replace("data are missing", "wording allows several readings")
+    assert verdicts.reason(held, "wording") == by_wording
+
+
+def test_numbers_on_both_sides_of_a_stated_one_are_no_question_of_tolerance():
+    assert verdicts.reason(verdicts.holds([95, 111], "=", [(100, 1)]), "data") == "data are missing"
+
+
+def test_only_undecided_statements_have_a_reason_and_readings_are_explained():
+    has_reason = JUDGED.undecided_because.isin(verdicts.REASONS)
+    assert has_reason.equals(JUDGED.verdict == "undecided")
+    assert set(JUDGED.undecided_because) == {"", *verdicts.REASONS}
+    for row in ROWS.itertuples():
+        several = len(verdicts.readings(row.evidence, row.row, row.column)) > 1
+        assert several == (row.readings in verdicts.MISSING), row.claim
+
+
+def test_the_scale_of_the_relative_rmse_is_that_of_the_paper():
+    for row in ROWS[
+        ROWS.measure.str.match(r".*[Rr]elative RMSE") & (ROWS.readings != "")
+    ].itertuples():
+        assert row.expected == "6.8", row.claim
+    verdict = JUDGED.set_index("claim").verdict
+    assert verdict[["depth_to_one", "small_error"]].tolist() == ["contradicted", "undecided"]
+
+
+def test_no_words_contradict_a_relation():
+    words = {
+        ">=": r"at least|must be",
+        "<=": "at most",
+        "<": "less than",
+        "=": "must|both|all five",
+    }
+    words[">"] = "more than|greater than|must exceed"
+    for row in ROWS.itertuples():
+        assert re.search(words[row.relation], row.measure), (row.claim, row.relation)
+
+
 def test_what_a_verdict_hangs_on_is_the_part_that_changes_it():
     names = ["rigid, 50 ms", "rigid, 200 ms", "beams, 50 ms", "beams, 200 ms"]
     held = verdicts.holds([3, 1, 3, 1], ">", [(2, 0)])
@@ -106,7 +159,7 @@ def test_what_a_verdict_hangs_on_is_the_part_that_changes_it():
 def test_a_verdict_says_what_it_hangs_on():
     undecided = JUDGED[JUDGED.verdict == "undecided"].set_index("claim").depends_on
     assert undecided["larger_force"] == "50 ms or 200 ms or 100 ms"
-    assert undecided["depth_to_one"] == "the tolerance, which this study chose"
+    assert undecided["projection_is_essential"] == "the tolerance, which this study chose"
     decided = JUDGED[JUDGED.verdict != "undecided"].set_index("claim").depends_on
     assert decided.equals(ROWS.set_index("claim").assumes[decided.index].rename("depends_on"))
     assert not set(undecided) & set(ROWS.assumes)

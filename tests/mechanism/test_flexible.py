@@ -279,3 +279,14 @@ def test_energy_balance_follows_the_step(model, start):
         errors.append(simulate(scene, model=model, **options).energy_error)
     assert errors[1] < errors[0] / 2
     assert errors[1] < 3e-5
+
+
+def test_impacts_do_not_depend_on_the_times_of_output():
+    """If the step divides the time between them; also where a lagged velocity makes them wrong."""
+    options = {"elements": (4, 8), "method": "unguarded", "step": 2e-4 / 202, "duration": 0.02}
+    coarse, fine = (simulate(model="particles", outputs=n, **options) for n in (50, 100))
+    assert len(coarse.impact_rows) > 10
+    for name in ("time", "duration", "peak_force"):
+        assert coarse.impact_rows[name] == pytest.approx(
+            fine.impact_rows[name], rel=1e-6, nan_ok=True
+        )
