@@ -165,7 +165,7 @@ def test_simulation_has_three_tables(table, run, tmp_path):
 
 def test_models_are_compared(table):
     found = table("models", "--duration", "10ms")
-    assert found.joint.tolist() == ["ideal", "clearance", "clearance"]
+    assert found.joint.tolist() == ["ideal", "ideal_with_friction", "clearance", "clearance"]
 
 
 def test_dataset_is_selected(table):
