@@ -56,17 +56,18 @@ def deck(
 ):
     """CalculiX's input for increasing depths > 0 over dR.
 
-    The joint has ``linear`` kinematics, a hemispherical socket that is held at its whole outside,
-    and the ball support ``guided`` or ``clamped``. The ``resolution`` is the number of elements
-    along the surface, a multiple of 16; they have 6 ``nodes`` (CAX6) or 3 (CAX3). The ``penalty``
-    is pressure per overclosure, in E*/R2: at R2* = 200 with CAX6 it costs 0.2 % of the force at
-    1000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to 2.8 % too low although
-    CalculiX reports convergence. The ``contact`` is from ``surface`` to surface, or from ``node``
-    to surface, which takes a sixth of the time and scatters by up to 0.8 %. Displacements
-    are ``large`` ones (NLGEOM), or small ones with contact on moved surfaces.
+    The joint has ``linear`` kinematics, a hemispherical socket that is held at its whole outside or
+    at the face of its rim, and the ball support ``guided`` or ``clamped``. The ``resolution`` is
+    the number of elements along the surface, a multiple of 16; they have 6 ``nodes`` (CAX6) or 3
+    (CAX3). The ``penalty`` is pressure per overclosure, in E*/R2: at R2* = 200 with CAX6 it costs
+    0.2 % of the force at 1000 and 0.03 % at 6000; from about 15,000 on some depths end 0.2 to 2.8 %
+    too low although CalculiX reports convergence. The ``contact`` is from ``surface`` to surface,
+    or from ``node`` to surface, which takes a sixth of the time and scatters by up to 0.8 %.
+    Displacements are ``large`` ones (NLGEOM), or small ones with contact on moved surfaces.
     """
     checks.choice("kinematics", joint.kinematics, ("linear",))
     checks.choice("ball_support", str(joint.ball_support), ("guided", "clamped"))
+    checks.choice("socket_support", str(joint.socket_support), ("outside", "rim"))
     bodies = joint.ball_body, joint.socket_body
     ball, socket = (modes.meshed(body, resolution, nodes).mesh for body in bodies)
     ratios, poissons, moduli = joint.socket_body.layers
@@ -84,7 +85,8 @@ def deck(
         lines += material(f"LAYER{k}", modulus / of_socket, poisson)
     lines += [
         *pair(penalty, contact),
-        *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1", "SOCKETOUTSIDE, 1, 2"),
+        *("*BOUNDARY", "BALLAXIS, 1, 1", "SOCKETAXIS, 1, 1"),
+        f"SOCKET{str(joint.socket_support).upper()}, 1, 2",
         *(["SOCKETRIM, 2, 2"] if joint.rim == "mirror" else []),
         *(["BALLEQUATOR, 1, 1"] if str(joint.ball_support) == "clamped" else []),
     ]

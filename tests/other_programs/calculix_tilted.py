@@ -1,9 +1,9 @@
 """A joint that is pressed off its axis, in CalculiX: bricks in space, contact by penalty.
 
-Half of a whole ball on a rigid core, and half of its socket, are meshed beside the plane of
-symmetry y = 0. Bricks have 20 nodes, all of them on spheres. Shells of bricks are thin at the
-contact, and at the core: thick ones there make the force 4 % too large. Displacements are small
-ones. Lengths are in socket radii R2 and stresses in E*.
+Half of a whole ball on a rigid core or at a rigid neck, and half of its socket, are meshed beside
+the plane of symmetry y = 0. Bricks have 20 nodes, all of them on spheres. Shells of bricks are thin
+at the contact, and at the core: thick ones there make the force 4 % too large. So do wide bricks at
+the edge of a neck. Displacements are small ones. Lengths are in socket radii R2 and stresses in E*.
 """
 
 import re
@@ -17,13 +17,16 @@ from other_programs import calculix
 from study import checks
 from study.joint import Joint
 from study.joint.compliance import graded
-from study.joint.supports import Core, WholeOutside
+from study.joint.supports import Core, Neck, WholeOutside
 
 _TOTAL = re.compile(r"for set BALLHELD and time\s+\S+\s+(\S+)\s+\S+\s+(\S+)")
 _ROUND = 0.5  # how far the square in the middle of a cap is bent to a disc
 _RINGS = 0.6  # around it, over the elements of half its side
 _DEPTH_SCALE = 0.15  # elements grow from this depth below the surface on
 _NONE = 1e-12  # R2
+_FACE = [0, 1, 2, 3, 8, 9, 10, 11]  # nodes of a brick on its first face
+_EDGE = 0.05  # rad: elements grow from this distance from the edge of a neck on
+_HOLE = 0.05  # radius of the hole in the middle of a ball at a neck, over that of the ball
 _FAR, _GROWTH = np.radians(150), 0.3  # where the ball's second cap begins; growth towards it
 
 
@@ -37,13 +40,17 @@ def force(joint: Joint, depth_star: float, tilt: float, **mesh: float) -> NDArra
 def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=3000.0):
     """CalculiX's input for one depth; the ball starts where it first touches.
 
-    The joint has a core, ``linear`` kinematics, an opening below 90 deg, and a socket of one
-    material. The ``resolution``, at least 3, is bricks along half the side of the square in the
-    middle of the cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up
-    to 0.4 bricks are smaller by (1 - shift)/(1 + shift) at the rim where phi = 0, and larger
-    opposite. ``penalty`` is pressure per overclosure, in E*/R2.
+    The joint has a core or a neck of 30 deg, ``linear`` kinematics, an opening below 90 deg, and a
+    socket of one material. A ball at a neck has a small hole in its middle, free of traction. The
+    ``resolution``, at least 3, is bricks along half the side of the square in the middle of the
+    cup; ``shells`` are those of the socket, and half the ball's. By a ``shift`` of up to 0.4 bricks
+    are smaller by (1 - shift)/(1 + shift) at the rim where phi = 0, and larger opposite.
+    ``penalty`` is pressure per overclosure, in E*/R2.
     """
-    core = checks.instance("ball_support", joint.ball_support, Core).radius
+    support = joint.ball_support
+    if support != Neck(180 - np.degrees(_FAR)):
+        checks.instance("ball_support", support, Core)
+    core = support.radius if isinstance(support, Core) else _HOLE
     checks.choice("kinematics", joint.kinematics, ("linear",))
     checks.instance("socket_support", joint.socket_support, WholeOutside)
     if joint.opening.is_ring:
@@ -53,9 +60,11 @@ def deck(joint, depth_star, tilt, resolution=3, shells=2, shift=0.3, penalty=300
     half = (1 - core) / 2
     outer, inner = graded(half, _DEPTH_SCALE, shells), graded(half, core, shells)
     radii = joint.radius_ratio * np.append(1 - outer, core + inner[-2::-1])
-    points, quads, near = _half_sphere(resolution, opening, shift)
+    is_neck = isinstance(support, Neck)
+    points, quads, near = _half_sphere(resolution, opening, shift, is_neck)
     in_ball = partial(_on_sphere, centre=centre)
-    ball, after = body("BALL", points, quads[:, ::-1], near, radii, in_ball, (1, 1))
+    neck = len(quads) - near if is_neck else None
+    ball, after = body("BALL", points, quads[:, ::-1], near, radii, in_ball, (1, 1), neck)
     points, quads = _cap(resolution, opening, shift, round(_RINGS * resolution))
     radii = 1 + graded(joint.socket_ratio - 1, _DEPTH_SCALE, shells)
     lines = [
@@ -100,8 +109,11 @@ def _cap(n, angle, shift, rings):
     return _vectors(angle * np.abs(flat), np.angle(flat)), np.vstack(quads)
 
 
-def _half_sphere(n, angle, shift):
-    """`_cap`, rings and an opposite cap; and how many quadrilaterals are in the first two."""
+def _half_sphere(n, angle, shift, neck=False):
+    """`_cap`, rings and an opposite cap; and how many quadrilaterals are in the first two.
+
+    Rings are narrow at the first cap, or with a ``neck`` at the second, where it is held.
+    """
     points, quads = _cap(n, angle, shift, round(_RINGS * n))
     opposite, turned = _cap(n, np.pi - _FAR, shift, n // 2)
     rim = np.arange(len(points))[-4 * n - 1 :]
@@ -109,6 +121,8 @@ def _half_sphere(n, angle, shift):
     length, size = _FAR - angle, angle / n
     count = int(np.ceil(np.log1p(_GROWTH * length / size) / np.log1p(_GROWTH)))
     theta = angle + graded(length, size / _GROWTH, count)[1:-1]
+    if neck:
+        theta = _FAR - graded(length, _EDGE, 3 * n)[-2:0:-1]
     theta, phi = np.meshgrid(theta, phi, indexing="ij")
     between, start = _numbers(len(points), theta), len(points) + theta.size
     last = start + len(opposite) + np.arange(-4 * n - 1, 0)
@@ -137,13 +151,14 @@ def _on_sphere(points, radius, centre=0.0):
     return centre + radius * points / np.linalg.norm(points, axis=1)[:, None]
 
 
-def body(name, points, quads, near, shells, place, first):
+def body(name, points, quads, near, shells, place, first, neck=None):
     """Nodes, bricks and sets of a body, numbered from ``first`` (node, brick) on; and the next.
 
     Positions are ``place(points, shell)``; half-way between two points or shells are the middles
     of edges. The body's surface is the first ``near`` quadrilaterals of the first shell. A brick's
     nodes are those of its first face, of its second one, the middles of both faces' edges, and
-    those between the faces.
+    those between the faces. Held is the last shell, or the last ``neck`` quadrilaterals of the
+    first.
     """
     sides = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2), axis=2)
     edges, side = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True)
@@ -164,7 +179,8 @@ def body(name, points, quads, near, shells, place, first):
         lines += [", ".join(map(str, [k, *nodes[:10]])) + ",", ", ".join(map(str, nodes[10:]))]
     lines += [f"*SURFACE, NAME={name}SURFACE", *(f"{first[1] + k}, S1" for k in range(near))]
     _, across, along = np.abs(places.T) < _NONE
-    sets = {"HELD": numbers[-len(every) :], "PLANE": numbers[across], "EQUATOR": numbers[along]}
+    held = numbers[-len(every) :] if neck is None else np.unique(brick[-neck:, _FACE]) + first[0]
+    sets = {"HELD": held, "PLANE": numbers[across], "EQUATOR": numbers[along]}
     for what, nodes in sets.items():
         lines += [f"*NSET, NSET={name}{what}", *(f"{k}," for k in nodes)] if len(nodes) else []
     return lines, (first[0] + len(places), first[1] + len(bricks))

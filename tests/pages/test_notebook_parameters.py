@@ -32,6 +32,7 @@ def execute(tmp_path, monkeypatch):
         ("05", {"radii": [300], "levels": []}),
         ("12", {"resolutions": [32, 64], "ratios": [2], "poissons": [0]}),
         ("21", {"parts": ["Table 2"]}),
+        ("30", {"mine": str(paths.ROOT / "examples/benchmark_entry.csv")}),
     ],
 )
 def test_one_value_of_a_list_gives_results(execute, number, given):
@@ -46,6 +47,7 @@ def test_one_value_of_a_list_gives_results(execute, number, given):
         ("12", {"resolutions": [64]}, "resolutions must be a list of 2 values or more, got [64]"),
         ("17", {"resolution": 100}, "ValueError: resolution must be a multiple of 32, got 100"),
         ("21", {"parts": ["nope"]}, "RangeError: parts must be one of force and depth, crank-"),
+        ("30", {"mine": "none.csv"}, "mine must be a CSV file that can be read, got none.csv"),
         ("31", {"rod_end_force": -5}, "rod_end_force must be >= 250 and <= 20000 N, got -5 N"),
     ],
 )

@@ -99,6 +99,12 @@ def test_parameters_are_literals_or_words():
     assert found == {"r2_star": 100, "kinematics": "small", "shallow": [0.01]}
 
 
+def test_a_file_is_in_the_folder_of_the_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (notebook,) = catalogue.select(["benchmark"])
+    assert build.given(notebook, ["mine=my.csv"]) == {"mine": str(tmp_path / "my.csv")}
+
+
 def test_no_result_depends_on_what_the_workflow_leaves_out():
     """Else a change of these files would leave outdated results."""
     surface = re.search(r"^SURFACE = (\(.+\))$", (paths.ROOT / "Snakefile").read_text(), re.M)
