@@ -27,7 +27,7 @@ DIGITS = {
     "stability_contact": {"y": 3},
     "error_growth": {"difference_s": 3},
     "freed": {"ratio": 5, "factor": 4},
-    "ladder_mechanisms": {"to_next": 2, "to_second": 2, "to_finest": 2},
+    "ladder_mechanisms": dict.fromkeys(("to_next", "to_second", "to_judge", "finest_to_judge"), 2),
     "ladder_durations": {"position_percent": 2, "largest_um": 2},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},

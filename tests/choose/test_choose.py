@@ -157,7 +157,7 @@ def test_published_hit_rates_are_those_of_the_published_mechanisms(rule):
             for model in models.itertuples():  # from the simplest one
                 second = model.to_second if row.compared_with == 2 else 0
                 if max(model.to_next, second) <= limit:
-                    outcomes[model.model if model.to_finest <= row.tolerance else "wrong"] += 1
+                    outcomes[model.model if model.to_judge <= row.tolerance else "wrong"] += 1
                     break
             else:
                 outcomes["none"] += 1
