@@ -9,6 +9,7 @@ from study.dataset.store import (
     published,
     published_table_2,
     reference_forces,
+    renewed,
     summary,
     verify,
 )

@@ -130,15 +130,22 @@ def measured(chart: str | None = None) -> pd.DataFrame:
     return frame[frame["chart"] == chart].reset_index(drop=True)
 
 
-def keep_measured(frame: pd.DataFrame) -> None:
-    """Write times that replace the stored ones of the same charts and programs, and the hash."""
-    stored = measured()
-    timed = {*zip(frame.chart, frame.program, strict=True)}
-    pairs = zip(stored.chart, stored.program, strict=True)
-    rows = pd.concat([frame, stored[[pair not in timed for pair in pairs]]])
+def renewed(frame: pd.DataFrame) -> pd.DataFrame:
+    """The stored times, with those of ``frame`` instead of the same methods of charts and programs.
+
+    What was not timed, such as a program that is not installed, keeps its stored times.
+    """
+    stored, same = measured(), ["chart", "program", "method"]
+    timed = pd.MultiIndex.from_frame(frame[same])
+    rows = pd.concat([frame, stored[~pd.MultiIndex.from_frame(stored[same]).isin(timed)]])
     charts = [*dict.fromkeys([*stored.chart, *frame.chart])]
-    rows = rows.sort_values("chart", key=lambda of: of.map(charts.index), kind="stable")
+    return rows.sort_values("chart", key=lambda of: of.map(charts.index), kind="stable")
+
+
+def keep_measured(frame: pd.DataFrame) -> None:
+    """Write the `renewed` times, and the hash of their file."""
     with paths.whole(SPEED) as temporary:
+        rows = renewed(frame)
         rows.to_csv(temporary, index=False, lineterminator="\n", float_format="%.4g")
     write_hashes([SPEED])
 

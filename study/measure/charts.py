@@ -1,4 +1,4 @@
-"""The four charts of ``make speed``: laws, solvers, steppers and flexible links, timed.
+"""Four charts of ``make speed``: laws, solvers, steppers and flexible links, timed.
 
 - ``laws``: a call of each law in a compiled loop, and making the law for a joint; errors are
   relative to the elastic solution of the reference joint.
@@ -11,7 +11,7 @@
 
 A new method needs its run in `solvers` or `steppers`, and its style in ``study/pages/looks.csv``.
 Other programs are timed by ``tests/benchmarks`` of the checkout, in the same process and in turn
-with the methods of this study.
+with the methods of this study. A fifth chart, ``second``, is there too.
 """
 
 from collections.abc import Iterator, Sequence
@@ -40,6 +40,7 @@ FINEST = 224  # elements along the surface of the curve that the laws are compar
 FREE = Joint.from_ratios(200, 1.3)  # of the solvers: the Legendre series is exact for it
 SOLVED = "power", "tabulated"  # laws that need the elastic solution of a joint
 CURVE_DEPTHS = np.linspace(0.025, 0.5, 20)
+CALLS = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)  # depths of calls of laws, in m
 SCENE, DURATION, OUTPUTS = paper_scene(), 0.3, 3000
 SOLVERS: dict[str, tuple[Solver, tuple[int, ...]]] = {
     "series": ("series", (320, 32, 64, 160, 640)),
@@ -59,35 +60,39 @@ def timed(chart: Chart, others: Sequence[Run] = (), repeats: int = 5) -> pd.Data
     Each call is timed some times, three times as often for laws, after one that is not counted.
     """
     if chart == "laws":
-        return laws(3 * repeats)
+        return laws(3 * repeats, others)
     runs = {"solvers": solvers, "steppers": steppers, "flexible": flexible.runs}[chart]()
     return timing.chart(chart, [*runs, *others], repeats)
 
 
-def laws(repeats: int) -> pd.DataFrame:
+def laws(repeats: int, others: Sequence[Run] = ()) -> pd.DataFrame:
     """Time and error of the laws and of the elastic solution; Hertz's law is first.
 
     ``setup`` is the time to make the law of a joint. The elastic solution is timed for one depth,
-    and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well.
+    and its ``setup`` is the time of the bodies, which `SOLVED` laws need as well. The calls of
+    ``others`` are at `CALLS` too.
     """
     exact = REFERENCE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST).force_star
-    depths = np.random.default_rng(0).uniform(1e-7, 5e-5, 10_000)
-    add_law(DimensionalLaw("hertz", **SIZES).packed(), depths[:2])  # compiled here, not counted
+    add_law(DimensionalLaw("hertz", **SIZES).packed(), CALLS[:2])  # compiled here, not counted
     first, _ = timing.timed(partial(_first_force, bodies_too=True), repeats)
     solving, _ = timing.timed(_first_force, repeats)
     bodies, rows = first - np.median(solving), []
     for name, kind in LAWS.items():
         making, law = timing.timed(partial(_made, kind), repeats)
         packed = DimensionalLaw(law, **SIZES).packed()
-        times, _ = timing.timed(partial(add_law, packed, depths), repeats)
+        times, _ = timing.timed(partial(add_law, packed, CALLS), repeats)
         setup = making + (np.median(bodies) if name in SOLVED else 0)
         columns = timing.spread("setup", setup)
         error = law(CURVE_DEPTHS, 200.0) / exact - 1
-        rows.append(timing.row("laws", name, "", times / depths.size, error, **columns))
+        rows.append(timing.row("laws", name, "", times / CALLS.size, error, **columns))
     setting = f"six-node triangles, resolution {RESOLUTION['quadratic']}"
     of_bodies = timing.spread("setup", bodies) | {"called": PYTHON}
     error = REFERENCE.solve(depth_star=CURVE_DEPTHS).force_star / exact - 1
     rows.append(timing.row("laws", "solver", setting, solving, error, **of_bodies))
+    for run in others:
+        times, total = timing.timed(run.call, repeats)
+        given = "laws", run.method, run.setting, times / CALLS.size, run.error(total)
+        rows.append(timing.row(*given, **run.columns))
     return timing.table(rows)
 
 
@@ -116,11 +121,12 @@ def solvers() -> Iterator[Run]:
 
 def solver(method: str, setting: str, call: timing.Call, **columns: str) -> Run:
     """A row of the chart: ``call`` returns the forces of `FREE` at `CURVE_DEPTHS`."""
-    return Run(method, setting, call, lambda force: force / _finest_curve() - 1, columns)
+    return Run(method, setting, call, lambda force: force / finest_curve() - 1, columns)
 
 
 @cache
-def _finest_curve():
+def finest_curve():
+    """Forces of `FREE` at `CURVE_DEPTHS`, by a fine series."""
     return FREE.solve(depth_star=CURVE_DEPTHS, resolution=FINEST_RESOLUTION).force_star
 
 

@@ -8,6 +8,7 @@ import os
 import platform
 import re
 from collections.abc import Callable, Sequence
+from datetime import date
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -99,6 +100,8 @@ def row(
         "evaluations": 0,
         "largest_error": float(np.abs(error).max()),
         "rms_error": float(np.sqrt(np.mean(error**2))),
+        "first_impact_error": 0.0,
+        "date": date.today().isoformat(),
         "machine": machine(),
     } | columns
 

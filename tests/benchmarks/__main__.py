@@ -5,17 +5,18 @@
 
 import sys
 
+from benchmarks import second
 from benchmarks.others import OTHERS
 from study import checks
 from study.dataset import store
 from study.measure import charts
 
 if __name__ == "__main__":
-    chosen = [checks.choice("chart", name, charts.CHARTS) for name in sys.argv[1:]]
+    known = (*charts.CHARTS, "second")
+    chosen = [checks.choice("chart", name, known) for name in sys.argv[1:]]
     store.verify()  # before minutes of timing
-    for chart in chosen or charts.CHARTS:
-        others = list(OTHERS[chart]()) if chart in OTHERS else []
-        frame = charts.timed(chart, others)
+    for chart in chosen or known:
+        frame = second.timed() if chart == "second" else charts.timed(chart, [*OTHERS[chart]()])
         store.keep_measured(frame)
         programs = ", ".join(frame.program.unique())
         print(f"timed {chart} of {programs} on {frame.machine.iloc[0]}", flush=True)

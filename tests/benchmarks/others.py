@@ -5,8 +5,10 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
 
+import numpy as np
 from other_programs import cables, calculix, cvode, multibody, odes
 
+from benchmarks import closed_form
 from study.measure import charts, explicit, flexible, timing
 from study.measure.timing import COMPILED, PROGRAM, PYTHON, Run
 from study.mechanism import Scene
@@ -20,6 +22,15 @@ SMALLEST = {"LSODA": 10, "Radau": 8, "DOP853": 8, "CVODE": 10}
 """Minus the decimal logarithm of the smallest tolerance: smaller ones take many seconds."""
 STEPS = (1e-5, 4e-6, 1e-6)  # s, of Exudyn's generalised alpha method
 LONGEST_OF_CABLES = 2e-4  # s; with longer steps Newton's method fails on some meshes
+
+
+def laws() -> Iterator[Run]:
+    """The closed form of notebook 25, whose errors are those of the joint of ``solvers``."""
+    add, exact = closed_form.program(charts.FREE), charts.finest_curve()
+    forces = np.array([add(np.array([depth])) for depth in charts.CURVE_DEPTHS])
+    columns = {"program": "notebook 25"}
+    call = partial(add, charts.CALLS, charts.SIZES["socket_radius"] - charts.SIZES["ball_radius"])
+    yield Run("closed form", "7 steps", call, lambda _: forces / exact - 1, columns)
 
 
 def solvers() -> Iterator[Run]:
@@ -106,5 +117,10 @@ def cable(joint: flexible.Joint, elements: flexible.Elements, step: float) -> ti
     return cables.first_impact(scene, elements, duration, step)
 
 
-OTHERS = {"solvers": solvers, "steppers": steppers, "flexible": flexible_links}
+OTHERS = {
+    "laws": laws,
+    "solvers": solvers,
+    "steppers": steppers,
+    "flexible": flexible_links,
+}
 """Chart -> runs of other programs."""

@@ -168,6 +168,21 @@ def test_models_are_compared(table):
     assert found.joint.tolist() == ["ideal", "ideal_with_friction", "clearance", "clearance"]
 
 
+@pytest.mark.parametrize("kind", ["summary", "impacts"])
+def test_a_wrong_contact_force_is_reported(run, table, kind):
+    words = ["simulate", "--model", "particles", "--method", "unguarded", "--elements", "2,4"]
+    words += ["--step", "3.5us", "--duration", "120ms", "--law", "hertz", "--table", kind]
+    if kind == "summary":
+        found = table(*words).iloc[0]
+        assert found.contact_energy_error > 1
+        assert found.applicability.split("; ")[0] == "energy"
+        assert "contact force is probably wrong" in found.warnings
+    else:
+        status, _, err = run(*words)
+        assert status == 0
+        assert "the contact force is probably wrong" in err
+
+
 def test_dataset_is_selected(table):
     rows = table("data", "show", "--group", "paper", "--r2-star", 200, "--r2-star", 100)
     expected = dataset.summary(dataset.load(group="paper", r2_star=[200, 100]))

@@ -21,10 +21,11 @@ typedef struct {
     double scale, approach; /* Hertz's law: N at a depth of one clearance; approach speed */
     int contact, polar;     /* do the surfaces touch, and has contact its own coordinates */
     int evaluations;        /* calls of `motion` by CVODE */
+    double force, growth;   /* normal force at the last call of `motion`, and its rate */
 } Piece;
 
 /* Accelerations z'' at y = (z, z'), the slider's last; their derivatives to y unless jac is NULL. */
-static void motion(const Piece *s, const double *y, double *f, double jac[3][6])
+static void motion(Piece *s, const double *y, double *f, double jac[3][6])
 {
     const Constants *p = s->p;
     const int polar = s->contact && s->polar;
@@ -77,6 +78,8 @@ static void motion(const Piece *s, const double *y, double *f, double jac[3][6])
     const double ay = l1 * (ct * alpha - st * omega * omega) + l2 * (cp * beta - sp * psi * psi);
     const double spin = polar ? y[5] : 0;
     f[0] = alpha, f[1] = ax, f[2] = ay, f[3] = slider;
+    const double turning = r > 0 ? across * across / r : 0;
+    s->force = normal, s->growth = normal_d * rate + normal_r * (nx * ax + ny * ay + turning);
     if (polar) {
         f[1] = nx * ax + ny * ay + r * spin * spin;
         f[2] = (nx * ay - ny * ax - 2 * rate * spin) / r;
@@ -177,13 +180,23 @@ static void turn(Piece *s, double *y)
     s->contact = !s->contact;
 }
 
+/* Maximum of the cubic through two forces and their rates at a distance h, first rising, then not. */
+static double summit(double h, double force, double growth, double next, double next_growth)
+{
+    const double mean = (next - force) / h;
+    const double c = 3 * mean - 2 * growth - next_growth, d = growth + next_growth - 2 * mean;
+    const double x = growth / (sqrt(c * c - 3 * d * growth) - c); /* growth + 2 c x + 3 d x^2 = 0 */
+    return force + h * x * (growth + x * (c + x * d));
+}
+
 /* Slider's acceleration at equal times after t = 0, and then the number of evaluations; returns the
  * number of impacts, or CVODE's error, which is negative. `tolerances` are absolute, of y in flight
- * and then in contact.
+ * and then in contact. `peaks`, unless NULL, becomes the maximum normal force, and that of the first
+ * contact, from the force and its rate at the ends of the steps.
  */
 int run(const double *constants, double scale, const double *start, int polar, double duration,
         int outputs, double relative, const double *tolerances, double newton, int order,
-        double *found)
+        double *found, double *peaks)
 {
     SUNContext context;
     SUNContext_Create(NULL, &context);
@@ -192,7 +205,8 @@ int run(const double *constants, double scale, const double *start, int polar, d
     SUNMatrix matrix = SUNDenseMatrix(6, 6, context);
     SUNLinearSolver solver = SUNLinSol_Dense(y, matrix, context);
     double *now = N_VGetArrayPointer(y), t = 0, f[4];
-    Piece piece = {(const Constants *)constants, scale, INFINITY, 0, polar, 0};
+    Piece piece = {(const Constants *)constants, scale, INFINITY, 0, polar, 0, 0, 0};
+    double before = 0, force = 0, growth = 0;
     for (int i = 0; i < 6; i++) now[i] = start[i];
     void *cvode = CVodeCreate(CV_BDF, context);
     CVodeInit(cvode, slopes, 0, y);
@@ -223,9 +237,21 @@ int run(const double *constants, double scale, const double *start, int polar, d
             motion(&piece, N_VGetArrayPointer(seen), f, NULL);
             found[done] = f[3];
         }
+        if (peaks && piece.contact) {
+            motion(&piece, now, f, NULL);
+            if (growth > 0 && piece.growth <= 0) {
+                const double peak = summit(t - before, force, growth, piece.force, piece.growth);
+                if (peak > peaks[0]) peaks[0] = peak;
+                if (impacts == 1 && peak > peaks[1]) peaks[1] = peak;
+            }
+            force = piece.force, growth = piece.growth;
+        }
+        before = t;
         if (status == CV_ROOT_RETURN) {
             impacts += !piece.contact;
             turn(&piece, now);
+            motion(&piece, now, f, NULL);
+            force = piece.force, growth = piece.growth;
         }
     }
     found[outputs] = piece.evaluations;

@@ -61,7 +61,7 @@ def _library():
     run = ctypes.CDLL(str(built)).run
     numbers, number, count = np.ctypeslib.ndpointer(float), ctypes.c_double, ctypes.c_int
     run.argtypes = [numbers, number, numbers, count, number, count]
-    run.argtypes += [number, numbers, number, count, numbers]
+    run.argtypes += [number, numbers, number, count, numbers, ctypes.c_void_p]
     return run
 
 
@@ -79,13 +79,26 @@ def slider_acceleration(
     those of contact: ``Cartesian`` as in flight, or ``contact`` for depth and direction. Raises
     `study.checks.StudyError` if gcc or SUNDIALS is missing, or CVODE fails.
     """
+    found = _run(scene, law, duration, outputs, tolerance, coordinates, None)
+    return found[:-1], int(found[-1])
+
+
+def largest_forces(
+    scene: Scene, law: np.record, duration: float, tolerance: float
+) -> NDArray[np.float64]:
+    """Maximum normal force, and that of the first contact, in N, in contact coordinates."""
+    peaks = np.zeros(2)
+    _run(scene, law, duration, 1, tolerance, "contact", peaks.ctypes.data)
+    return peaks
+
+
+def _run(scene, law, duration, outputs, tolerance, coordinates, peaks):
     if law.shape_index != 0:
         raise ValueError(f"law must be Hertz's, packed, got shape {law.shape_index}")
     start, scales = explicit.start_of(scene), np.array(SCALES[coordinates])
     how: list[Any] = [duration, outputs, RELATIVE * tolerance, tolerance * scales, NEWTON, ORDER]
     constants, found = np.array(scene.constants()), np.empty(outputs + 1)
-    run = _library()
-    status = run(constants, law.scale, start, coordinates == "contact", *how, found)
+    status = _library()(constants, law.scale, start, coordinates == "contact", *how, found, peaks)
     if status < 0:
         raise checks.StudyError(f"CVODE failed with status {status} (cvode.h) at {tolerance:g}")
-    return found[:-1], int(found[-1])
+    return found

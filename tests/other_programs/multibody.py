@@ -150,3 +150,23 @@ def crank_slider(
     system.Assemble()
     system.SolveDynamic(settings)
     return system.GetSensorStoredData(stored)[:, 1]
+
+
+def largest_forces(scene: Scene, duration: float, step: float, after: float) -> NDArray[np.float64]:
+    """Maximum normal force in N after a time, and that of the first contact, at ends of steps."""
+    import exudyn as exu
+    from exudyn.utilities import SensorObject
+
+    system, at, _ = links(scene)
+    joint = contact(system, scene, at("coupler", scene.coupler_length / 2), at("slider", 0))
+    force = SensorObject(
+        objectNumber=joint, outputVariableType=exu.OutputVariableType.Force, storeInternal=True
+    )
+    stored = system.AddSensor(force)
+    system.Assemble()
+    system.SolveDynamic(integration(duration, step, step))
+    times, *along = system.GetSensorStoredData(stored).T
+    normal = np.linalg.norm(along, axis=0) / np.hypot(1, scene.friction)
+    first = np.flatnonzero(normal)[0]
+    end = first + np.flatnonzero(normal[first:] == 0)[0]
+    return np.array([normal[times > after].max(), normal[first:end].max()])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from other_programs import peaks
 from study import checks
 from study.measure import explicit
 from study.mechanism import Scene
@@ -31,7 +32,31 @@ def slider_acceleration(
     """
     integrate = _sundials if method == "CVODE" else _scipy
     times = duration * np.arange(1, outputs + 1) / outputs
-    p, y, t, approach, pulls = scene.constants(), explicit.start_of(scene), 0.0, 0.0, []
+    p, work, out, pulls = scene.constants(), np.zeros(6), np.zeros(3), []
+    for contact, speed, _, states, count in _pieces(integrate, method, scene, law, times, rtol):
+        pulls += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
+        evaluations = count
+    return np.array(pulls), evaluations
+
+
+def largest_forces(
+    method: str, scene: Scene, law: np.record, duration: float, rtol: float
+) -> NDArray[np.float64]:
+    """Maximum normal force, and that of the first contact, in N, by one of SciPy's methods."""
+    p, found, end = scene.constants(), [], np.array([duration])
+    for contact, speed, times, states, _ in _pieces(_every_step, method, scene, law, end, rtol):
+        if contact:
+            found.append(peaks.largest(times, states, speed, p, law))
+    return np.array([max(found), found[0]])
+
+
+def _pieces(integrate, method, scene, law, times, rtol):
+    """Flights and contacts up to the last of the times.
+
+    Each has whether it is a contact, its approach speed, times and states there, and the number of
+    evaluations so far.
+    """
+    p, y, t, approach = scene.constants(), explicit.start_of(scene), 0.0, 0.0
     work, out, evaluations = np.zeros(6), np.zeros(3), 0
     while True:
         contact, speed = approach > 0, approach or inf
@@ -48,16 +73,22 @@ def slider_acceleration(
                 return 1.0 if contact else -1.0
             return hypot(y[1], y[2]) - scene.clearance
 
-        states, end = integrate(method, slopes, gap, contact, t, y, times[t < times], rtol)
-        pulls += [explicit.acceleration(z, contact, speed, p, law, work, out) for z in states]
+        left = times[t < times]
+        seen, states, end = integrate(method, slopes, gap, contact, t, y, left, rtol)
+        yield contact, speed, seen, states, evaluations
         if end is None:
-            return np.array(pulls), evaluations
+            return
         t, y = end
         n = y[1:3] / np.hypot(y[1], y[2])
         approach = 0.0 if contact else float(y[4:] @ n)
 
 
-def _scipy(method, slopes, gap, contact, t, y, times, rtol):
+def _every_step(*piece):
+    """As `_scipy`, but with the ends of the steps instead of given times."""
+    return _scipy(*piece, every_step=True)
+
+
+def _scipy(method, slopes, gap, contact, t, y, times, rtol, every_step=False):
     rates = np.zeros(6)
 
     def right(_, y):
@@ -67,11 +98,12 @@ def _scipy(method, slopes, gap, contact, t, y, times, rtol):
     gap.terminal, gap.direction = True, -1 if contact else 1
     limits = {"rtol": rtol, "atol": rtol * ABSOLUTE}
     limits["max_step"] = inf if contact else LONGEST_FLIGHT_STEP
-    part = solve_ivp(right, (t, times[-1]), y, method, t_eval=times, events=gap, **limits)
+    limits["t_eval"] = None if every_step else times
+    part = solve_ivp(right, (t, times[-1]), y, method, events=gap, **limits)
     if part.status < 0:
         raise checks.StudyError(f"{method} failed after {t:.9g} s: {part.message}")
     end = (part.t_events[0][0], part.y_events[0][0]) if part.status == 1 else None
-    return np.transpose(part.y), end
+    return part.t, np.ascontiguousarray(np.transpose(part.y)), end
 
 
 def _sundials(method, slopes, gap, contact, t, y, times, rtol):
@@ -95,6 +127,7 @@ def _sundials(method, slopes, gap, contact, t, y, times, rtol):
         raise checks.StudyError(f"{method} failed after {t:.9g} s: {part.message}")
     inside = part.t > t
     if part.t_events is None or len(part.t_events) == 0:
-        return part.y[inside], None
+        return part.t[inside], part.y[inside], None
     end = part.t_events[0], part.y_events[0]
-    return part.y[inside & (part.t < end[0])], end
+    inside &= part.t < end[0]
+    return part.t[inside], part.y[inside], end
