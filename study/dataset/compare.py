@@ -12,10 +12,10 @@ OF_DIFFERENCES = 1e-12
 """Added to this tolerance, for rounding errors of differences between numbers of magnitude 1."""
 CHAOTIC = (
     *("fig17", "fig18", "fig19", "fig20", "fig21", "first_impacts", "impacts", "error_budget"),
-    *("variants", "durations", "agreement", "convergence", "choice_mechanism"),
+    *("variants", "durations", "agreement", "convergence"),
     *("flexible_convergence", "stability_map", "lagged_windows"),
     *("numbers_08", "numbers_09"),
-    "visited",
+    *("visited", "ladder", "ladder_durations"),
 )
 """Results of simulated impacts, each of which increases the rounding error of the one before."""
 CHAOTIC_TOLERANCE = 1e-3
@@ -27,6 +27,8 @@ DIGITS = {
     "stability_contact": {"y": 3},
     "error_growth": {"difference_s": 3},
     "freed": {"ratio": 5, "factor": 4},
+    "ladder_mechanisms": dict.fromkeys(("to_next", "to_second", "to_judge", "finest_to_judge"), 2),
+    "ladder_durations": {"position_percent": 2, "largest_um": 2},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
     "axial_curves": {"error_estimate": 3, "contact_half_angle_deg": 7},

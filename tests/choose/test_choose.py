@@ -1,9 +1,14 @@
 """Tables of laws and of models, against joints that are solved anew and simulations."""
 
+from collections import Counter
+
 import numpy as np
+import pandas as pd
 import pytest
 
+from study import paths
 from study.choose import compare_laws, compare_models
+from study.choose.laws import MODELS, model_errors, run_models
 from study.contact import CLOSED_FORM, LAWS
 from study.joint import Joint, Material, reference_joint
 from study.mechanism import Scene, compare, paper_scene, simulate
@@ -95,7 +100,7 @@ def test_a_depth_that_cannot_be_solved(deepest, message):
 MODEL = {"duration": 0.02, "outputs": 400, "law": "hertz"}
 
 
-def test_each_model_is_compared_with_the_next():
+def test_each_model_is_compared_with_the_next_two():
     scene = paper_scene(link_modulus=1e9)
     table = compare_models(scene, **MODEL)
     assert table.joint.tolist() == ["ideal", "ideal_with_friction", "clearance", "clearance"]
@@ -105,12 +110,66 @@ def test_each_model_is_compared_with_the_next():
         *(simulate(scene, joint=joint, **MODEL) for joint in table.joint[:3]),
         *(simulate(scene, model="particles", elements=e, **MODEL) for e in ("2,4", "4,8")),
     ]
-    for row, run, finer in zip(table.itertuples(), runs[:-1], runs[1:], strict=True):
+    forces = [r.largest_force or r.normal_force.max() for r in runs]
+    for n, (row, run) in enumerate(zip(table.itertuples(), runs[:-1], strict=True)):
+        finer = slice(n + 1, n + 3)
         for name in ("position", "velocity", "acceleration"):
-            error = compare.motion_nrms(finer, run, f"slider_{name}")
-            assert getattr(row, f"{name}_error") == pytest.approx(error, rel=1e-12)
-        forces = [r.largest_force or r.normal_force.max() for r in (run, finer)]
-        assert row.peak_force_error == pytest.approx(abs(forces[0] / forces[1] - 1), rel=1e-9)
+            errors = [compare.motion_nrms(other, run, f"slider_{name}") for other in runs[finer]]
+            assert getattr(row, f"{name}_error") == pytest.approx(max(errors), rel=1e-12)
+        error = max(abs(forces[n] / force - 1) for force in forces[finer])
+        assert row.peak_force_error == pytest.approx(error, rel=1e-9)
+
+
+def test_models_are_run_in_order_of_detail_at_the_same_times():
+    scene = paper_scene(crank_speed=20.0)
+    responses, seconds = run_models(scene, 0.02, 50, "hertz")
+    assert len(responses) == len(seconds) == len(MODELS)
+    assert all(np.array_equal(r.time, responses[0].time) for r in responses)
+    assert min(seconds) > 0
+    for given, response in zip(MODELS, responses, strict=True):
+        same = simulate(scene, duration=0.02, outputs=50, law="hertz", **given)
+        assert np.array_equal(same.rows, response.rows)
+    # at a constant speed of the crank, friction does not change the motion of an ideal joint
+    errors = model_errors(responses[1], responses[0])
+    assert errors.pop("peak_force_error") > 1e-3
+    assert max(errors.values()) < 1e-12
+
+
+def test_errors_of_a_model_are_relative_to_the_finer_one():
+    fine, coarse = (simulate(joint=joint, **MODEL) for joint in ("clearance", "ideal"))
+    errors = model_errors(fine, coarse)
+    moved = fine.slider_position - fine.slider_position[0]
+    apart = coarse.slider_position - fine.slider_position
+    expected = np.sqrt(np.mean(apart**2) / np.mean(moved**2))
+    assert errors["position_error"] == pytest.approx(expected, rel=1e-12)
+    # impacts, most of which are shorter than the interval between two outputs, count
+    peak = max(fine.largest_force, fine.normal_force.max())
+    expected = 1 - coarse.normal_force.max() / peak
+    assert errors["peak_force_error"] == pytest.approx(expected, rel=1e-12)
+    assert {*model_errors(fine, fine).values()} == {0.0}
+
+
+LADDER = pd.read_csv(paths.FIGURES / "ladder.csv")
+
+
+@pytest.mark.parametrize("rule", ["A", "B"])
+def test_published_hit_rates_are_those_of_the_published_mechanisms(rule):
+    table = pd.read_csv(paths.FIGURES / "ladder_mechanisms.csv").query("set == 'test'")
+    for row in LADDER[LADDER.rule == rule].itertuples():
+        outcomes = Counter()
+        of_quantity = table[table.quantity == row.quantity]
+        for _, models in of_quantity.groupby("mechanism"):
+            limit = row.tolerance / row.factor
+            for model in models.itertuples():  # from the simplest one
+                second = model.to_second if row.compared_with == 2 else 0
+                if max(model.to_next, second) <= limit:
+                    outcomes[model.model if model.to_judge <= row.tolerance else "wrong"] += 1
+                    break
+            else:
+                outcomes["none"] += 1
+        names = "ideal", "ideal_with_friction", "clearance", "flexible", "wrong", "none"
+        assert [outcomes[name] for name in names] == [getattr(row, name) for name in names]
+        assert row.right + row.wrong + row.none + row.failed == 40
 
 
 @pytest.mark.parametrize(

@@ -92,11 +92,19 @@ def test_the_verdicts_on_the_statements():
 
 
 def test_what_a_mechanism_needs():
-    (percent,) = claimed(
-        r"an ideal joint, .*? gives the position of the slider within (\d+) % during"
+    stated = claimed(
+        r"is (\S+) % over 0\.1 s, (\S+) % over 0\.2 s, (\S+) % over 0\.5 s and (\S+) % over 1 s\. "
+        r"Most of .*? with friction it is (\S+), (\S+), (\S+) and (\S+) %\."
     )
-    least = kept("choice_mechanism", "quantity", "tolerance").joint
-    assert least["slider_position", percent / 100] == "ideal"
+    errors = kept("ladder_durations", "change", "duration_s").position_percent
+    joints, durations = ("ideal joint", "ideal joint with friction"), (0.1, 0.2, 0.5, 1.0)
+    assert stated == [errors[joint, until] for joint in joints for until in durations]
+    mechanisms, right, cases, wrong = claimed(
+        r"On (\d+) random crank-sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
+    )
+    motion = kept("ladder").query("rule == 'B' and quantity != 'peak force'")
+    assert [motion.right.sum(), motion.wrong.sum()] == [right, wrong]
+    assert mechanisms * len(motion) == cases
 
 
 def test_how_much_the_supports_matter():
