@@ -8,9 +8,9 @@ derivatives phi1, phi2, x1 and x2 by theta, and the symbols of `study.mechanism.
     J = a11 + a22 phi1^2 + 2 a12 cos(theta - phi) phi1 + m3 x1^2
 
 M_f = R1 T is the moment of friction on the coupler. The joint is the limit of the clearance joint
-as the clearance tends to 0: the ball slides in its socket with the speed v = R1 phi', the reaction
-F has the normal part N and the tangential part T = -mu c_d(v) N (`study.contact.forces`), and
-|F|^2 = N^2 + T^2. Because F is a linear function of M_f, this is a quadratic equation.
+as the clearance tends to 0: the ball slides in its socket with the speed v = R1 phi', and the
+reaction has the normal part N and the tangential part T = -mu c_d(v) N (`study.contact.forces`).
+The reaction is a linear function of M_f, so that N^2 + T^2 gives a quadratic equation for M_f.
 
 The motion, the work of the loads and that of friction are integrated by the method of Dormand and
 Prince of order 8, with SciPy's coefficients and its estimate of the error, in a compiled loop.
@@ -66,7 +66,7 @@ def _motions(p, theta, omega):
         turning = p.a22 * beta + p.a12 * (cd * alpha - sd * omega**2) + p.g2 * cp - of_friction
         return alpha, holding, fx, -(turning - l2 * sp * fx) / (l2 * cp)
 
-    # the moment has the magnitude m = c |F0 + m F1|, c = R1 mu c_d / sqrt(1 + (mu c_d)^2)
+    # the moment has the magnitude m = c norm(F0 + m F1), c = R1 mu c_d / sqrt(1 + (mu c_d)^2)
     sliding = p.r1 * phi1 * omega
     rough = p.friction * np.minimum(np.maximum((abs(sliding) - p.v0) / (p.v1 - p.v0), 0), 1)
     c, against = p.r1 * rough / np.sqrt(1 + rough**2), -np.sign(sliding)
