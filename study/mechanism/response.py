@@ -69,7 +69,7 @@ IMPACT_COLUMNS = {
 ENERGIES = "work", "kinetic", "elastic", "lost_damping", "lost_friction"
 LEAST_MOVED = 1e-12  # J; rounding alone moves up to about 1e-20 J in flexible links at rest
 LEAST_FRACTION = 1e-3  # of the largest energy, that of a crank which turns freely for example
-LEAST_OF_CONTACTS = 1e-4  # of the energy that moved; where a ball rests in its socket it is less
+LEAST_OF_CONTACTS = 3e-5  # of the energy that moved; where a ball rests in its socket it is less
 CONTACT_ENERGY_LIMIT = 0.25
 """Largest ``contact_energy_error`` of a correct contact force, chosen on the calibration runs of
 notebook 26 (this study)."""
