@@ -100,11 +100,54 @@ def test_what_a_mechanism_needs():
     joints, durations = ("ideal joint", "ideal joint with friction"), (0.1, 0.2, 0.5, 1.0)
     assert stated == [errors[joint, until] for joint in joints for until in durations]
     mechanisms, right, cases, wrong = claimed(
-        r"On (\d+) random crank-sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
+        r"On (\d+) random crank–sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
     )
     motion = kept("ladder").query("rule == 'B' and quantity != 'peak force'")
     assert [motion.right.sum(), motion.wrong.sum()] == [right, wrong]
     assert mechanisms * len(motion) == cases
+
+
+def test_what_accuracy_costs():
+    hertz, own, *costs = claimed(
+        r"Hertz's law has an error of (\d+) %\. The laws of this study have errors of at most (\S+) "
+        r"%, and a call in compiled code takes (\S+) \(`stiffened_hertz`\) and (\S+) times"
+    )
+    rows = kept("speed_accuracy").query("panel == 'a'").set_index("method")
+    assert 100 * rows.error["hertz"] == pytest.approx(hertz, abs=0.5)
+    laws = ["stiffened_hertz", "tabulated"]
+    assert 100 * rows.error[laws].max() == pytest.approx(own, abs=0.005)
+    assert rows.relative[laws].round(1).tolist() == costs
+    milliseconds, lsoda, cvode = claimed(
+        r"takes (\d+) ms by this study for an error of the largest force of 0\.01 %, (\S+) times as "
+        r"long by LSODA in compiled code, and (\S+) times by CVODE in C"
+    )
+    second = kept("speed_accuracy").query("panel == 'b' and error <= 1e-4")
+    least = second.groupby("method").time.min()
+    own = least["collocation, events"]
+    assert 1e3 * own == pytest.approx(milliseconds, abs=0.5)
+    ratios = least[["LSODA, compiled", "CVODE in C, contact coordinates"]] / own
+    assert ratios.round(1).tolist() == [lsoda, cvode]
+
+
+def test_what_the_energy_balance_detects():
+    runs, detected, wrong, alarms, euler = claimed(
+        r"in (\d+) test runs it detected (\d+) of (\d+) wrong forces, with (\d+) false alarms, "
+        r"(\d+) of them by a method of first order"
+    )
+    counts = kept("energy_test_counts").query("set == 'test'").set_index("method")
+    total = counts[["runs", "detected_by_energy", "wrong", "false_alarms_by_energy"]].sum()
+    assert total.tolist() == [runs, detected, wrong, alarms]
+    assert counts.false_alarms_by_energy["symplectic Euler"] == euler
+
+
+def test_how_often_the_rule_knows_the_force():
+    right, cases, wrong, none = claimed(
+        r"For the largest force it was right in (\d+) of (\d+) cases, wrong in (\d+), and chose "
+        r"no model in (\d+)"
+    )
+    force = kept("ladder").query("rule == 'B' and quantity == 'peak force'")
+    assert force[["right", "wrong", "none"]].sum().tolist() == [right, wrong, none]
+    assert right + wrong + none == cases
 
 
 def test_how_much_the_supports_matter():
