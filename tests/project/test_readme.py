@@ -100,7 +100,7 @@ def test_what_a_mechanism_needs():
     joints, durations = ("ideal joint", "ideal joint with friction"), (0.1, 0.2, 0.5, 1.0)
     assert stated == [errors[joint, until] for joint in joints for until in durations]
     mechanisms, right, cases, wrong = claimed(
-        r"On (\d+) random crank–sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
+        r"On (\d+) random crank.sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
     )
     motion = kept("ladder").query("rule == 'B' and quantity != 'peak force'")
     assert [motion.right.sum(), motion.wrong.sum()] == [right, wrong]
@@ -109,8 +109,8 @@ def test_what_a_mechanism_needs():
 
 def test_what_accuracy_costs():
     hertz, own, *costs = claimed(
-        r"Hertz's law has an error of (\d+) %\. The laws of this study have errors of at most (\S+) "
-        r"%, and a call in compiled code takes (\S+) \(`stiffened_hertz`\) and (\S+) times"
+        r"Hertz's law has an error of (\d+) %\. The laws of this study have errors of at most "
+        r"(\S+) %, and a call in compiled code takes (\S+) \(`stiffened_hertz`\) and (\S+) times"
     )
     rows = kept("speed_accuracy").query("panel == 'a'").set_index("method")
     assert 100 * rows.error["hertz"] == pytest.approx(hertz, abs=0.5)
@@ -118,8 +118,8 @@ def test_what_accuracy_costs():
     assert 100 * rows.error[laws].max() == pytest.approx(own, abs=0.005)
     assert rows.relative[laws].round(1).tolist() == costs
     milliseconds, lsoda, cvode = claimed(
-        r"takes (\d+) ms by this study for an error of the largest force of 0\.01 %, (\S+) times as "
-        r"long by LSODA in compiled code, and (\S+) times by CVODE in C"
+        r"takes (\d+) ms by this study for an error of the largest force of 0\.01 %, (\S+) times "
+        r"as long by LSODA in compiled code, and (\S+) times by CVODE in C"
     )
     second = kept("speed_accuracy").query("panel == 'b' and error <= 1e-4")
     least = second.groupby("method").time.min()
