@@ -37,7 +37,7 @@ class UnitWarning(UserWarning):
 
 
 class EnergyWarning(UserWarning):
-    """The energy balance of a simulation shows that its contact force is wrong."""
+    """The energy balance of a simulation shows that its contact force may be wrong."""
 
 
 class RangeError(ValueError):

@@ -71,8 +71,8 @@ LEAST_MOVED = 1e-12  # J; rounding alone moves up to about 1e-20 J in flexible l
 LEAST_FRACTION = 1e-3  # of the largest energy, that of a crank which turns freely for example
 LEAST_OF_CONTACTS = 3e-5  # of the energy that moved; where a ball rests in its socket it is less
 CONTACT_ENERGY_LIMIT = 0.25
-"""Largest ``contact_energy_error`` of a correct contact force, chosen on the calibration runs of
-notebook 26 (this study)."""
+"""Threshold of ``contact_energy_error``: the largest one, rounded upwards, of those calibration
+runs of notebook 26 whose contact force is right (this study)."""
 SUSTAINED = 10.0
 OUTPUT = np.dtype([(name, float) for name in ALL_COLUMNS])
 """A row of output; flexible links leave `CRANK_COLUMNS` at 0."""
@@ -179,7 +179,7 @@ class Response:
 
     @derived("The same residual, over the elastic energy that all contacts have stored")
     def contact_energy_error(self) -> float:
-        """A large one shows a wrong contact force; 0 without contacts.
+        """A large one shows an unstable contact; a small one is no proof; 0 without contacts.
 
         The stored energy is the sum over all contacts of the elastic energy at their maximum depth,
         and at least `LEAST_OF_CONTACTS` of the energy that moved.
@@ -208,8 +208,9 @@ class Response:
         finer = "a smaller step" if self.tolerance is None else "a smaller tolerance"
         return (
             f"The residual of the energy balance is {error:.2g} of the elastic energy that the "
-            f"contacts stored, and in correct runs at most {CONTACT_ENERGY_LIMIT:g}: the contact "
-            f"force is probably wrong by more than 10 %; simulate again with {finer}."
+            f"contacts stored (threshold {CONTACT_ENERGY_LIMIT:g}): the time integration is not "
+            "accurate, and the contact force may be wrong by more than 10 %; simulate again with "
+            f"{finer}."
         )
 
 

@@ -121,7 +121,8 @@ def simulate(
     Warns
     -----
     EnergyWarning
-        If the energy balance shows that the contact force is wrong (`Response.energy_warning`).
+        If the energy balance shows an unstable contact, whose force may be wrong
+        (`Response.energy_warning`). That there is no warning does not prove that it is right.
 
     Raises
     ------

@@ -1,6 +1,7 @@
 """A small copy of the project: three notebooks, an article of one line, and ``study`` run in it."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -82,6 +83,9 @@ def stub_project(root):
         "# The study\n\nSee [the law](notebooks/02-law.ipynb), [the code](study/contact/laws.py), "
         "[all notebooks](notebooks/) and [the data](data/README.md).\n\n![Force](figures/curve.png)"
     )
+    index = root / "study/pages/report/index.md"  # without figures of other notebooks
+    parts = re.split(r"(?m)^(?=## )", index.read_text(encoding="utf-8"))
+    index.write_text(parts[0] + parts[-1], encoding="utf-8")
     for name in ("paper", "supplement"):
         (root / f"paper/{name}.typ").write_text(
             '#csv(sys.inputs.results + "/total.csv").at(1).at(0)'

@@ -50,7 +50,7 @@ def test_the_energy_lost_by_particles_follows_the_square_of_the_step():
 
 def test_simulate_warns_of_a_wrong_contact_force():
     options = {"method": "unguarded", "step": 3.5e-6, "duration": 0.12, "outputs": 1200}
-    with pytest.warns(EnergyWarning, match="the contact force is probably wrong by more than 10 %"):
+    with pytest.warns(EnergyWarning, match="the contact force may be wrong by more than 10 %"):
         wrong = simulate(**options, **TWO)
     with warnings.catch_warnings():
         warnings.simplefilter("error", EnergyWarning)
