@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import binom
 
 from study import paths
 from study.choose import compare_laws, compare_models
@@ -170,6 +171,32 @@ def test_published_hit_rates_are_those_of_the_published_mechanisms(rule):
         names = "ideal", "ideal_with_friction", "clearance", "flexible", "wrong", "none"
         assert [outcomes[name] for name in names] == [getattr(row, name) for name in names]
         assert row.right + row.wrong + row.none + row.failed == 40
+        assert row.finest == 0
+
+
+@pytest.mark.parametrize(("name", "cost"), [("clearance", 0.07), ("flexible", 0.35), ("finest", 1)])
+def test_published_baselines_are_those_of_the_published_mechanisms(name, cost):
+    table = pd.read_csv(paths.FIGURES / "ladder_mechanisms.csv").query("set == 'test'")
+    rows = LADDER[LADDER.rule == f"always {name}"]
+    assert len(rows) == 9
+    for row in rows.itertuples():
+        of_quantity = table[table.quantity == row.quantity]
+        if name == "finest":
+            errors = of_quantity.groupby("mechanism").finest_to_judge.first()
+        else:
+            errors = of_quantity[of_quantity.model == name].to_judge
+        right = (errors <= row.tolerance).sum()
+        assert (row.right, row.wrong, row.none) == (right, 40 - row.failed - right, 0)
+        assert getattr(row, name) == right
+        assert row.cost == cost
+
+
+def test_published_confidence_is_that_of_clopper_and_pearson():
+    for _, rows in LADDER.groupby("rule"):
+        (wrong,), (limit,) = rows.wrong_motion.unique(), rows.wrong_motion_limit.unique()
+        done = 40 - rows.failed.iloc[0]
+        # with this share, so few wrong ones would be seen in 5 % of all samples
+        assert binom.cdf(wrong, done, limit) == pytest.approx(0.05, abs=0.001)
 
 
 @pytest.mark.parametrize(
