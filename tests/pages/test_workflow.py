@@ -17,6 +17,8 @@ import psutil
 import pytest
 from helpers.project import CURVE, LAW, NAMES, TOTAL, edit, environment, stub_project, study
 
+from study import paths
+
 pytestmark = pytest.mark.slow
 
 RESULTS = ["curve.csv", "curve.png", "law.csv", "numbers.csv", "total.csv"]
@@ -55,8 +57,8 @@ def project(finished_project):
 
 
 def ran(done):
-    """Jobs that a run has done, but for the check of the data."""
-    return sorted({*re.findall(r"^(\S+)  \(.+ s\)$", done.stdout, re.MULTILINE)} - {"check"})
+    """Jobs that a run has done."""
+    return sorted(re.findall(r"^(\S+)  \(.+ s\)$", done.stdout, re.MULTILINE))
 
 
 def last(done):
@@ -226,6 +228,17 @@ def test_a_picture_that_is_drawn_differently_is_named(project):
     assert (project / "figures/curve.csv").read_bytes() == before
 
 
+def test_changed_data_are_a_change_for_every_notebook(project):
+    path, sums = project / "data/datapackage.json", project / "data/SHA256SUMS"
+    before, hashes = paths.sha256(path), sums.read_text()
+    path.write_text(path.read_text().replace("Computing time", "The computing time", 1))
+    assert paths.sha256(path) != before
+    sums.write_text(hashes.replace(before, paths.sha256(path)))
+    done = study(project, "run", *NAMES)
+    sums.write_text(hashes)
+    assert ran(done) == sorted(NAMES)
+
+
 def test_damaged_data_stop_a_run_with_one_line(project):
     path = project / "data/datapackage.json"
     path.write_text(path.read_text().replace("title", "tytle", 1))
@@ -281,7 +294,7 @@ def test_jobs_can_be_submitted_by_a_command(tmp_path):
     poll = ["--jobs", "2", "--seconds-between-status-checks", "1"]
     done = study(root, "run", "curve", "law", "--", *cluster, *poll)
     assert "2 results: 0 identical, 0 agree, 2 differ" in done.stdout, done.stderr
-    assert len((tmp_path / "submitted").read_text().splitlines()) == 3  # with the check of the data
+    assert len((tmp_path / "submitted").read_text().splitlines()) == 2
 
 
 def test_a_new_case_is_solved_and_no_other(tmp_path):
