@@ -100,11 +100,14 @@ def test_what_a_mechanism_needs():
     joints, durations = ("ideal joint", "ideal joint with friction"), (0.1, 0.2, 0.5, 1.0)
     assert stated == [errors[joint, until] for joint in joints for until in durations]
     mechanisms, right, cases, wrong = claimed(
-        r"On (\d+) random crank.sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+)"
+        r"On (\d+) random crank.sliders.*? right in (\d+) of (\d+) cases, wrong in (\d+), and"
     )
     motion = kept("ladder").query("rule == 'B' and quantity != 'peak force'")
     assert [motion.right.sum(), motion.wrong.sum()] == [right, wrong]
     assert mechanisms * len(motion) == cases
+    found = claimed(r"rigid links was right for .*? in (\d+) cases and wrong in (\d+)")
+    always = kept("ladder").query("rule == 'always clearance' and quantity != 'peak force'")
+    assert found == [always.right.sum(), always.wrong.sum()]
 
 
 def test_what_accuracy_costs():
