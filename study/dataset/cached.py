@@ -110,7 +110,7 @@ def request_of(kind: str, joint: Joint, arguments: dict[str, Any]) -> Request:
 
 def joint_of(request: Request) -> Joint:
     """Joint of a request."""
-    if request.kind == "loaded":
+    if "socket_radius" in request.joint:
         return Joint(**request.joint)
     given = dict(request.joint)
     if "layer" in given:

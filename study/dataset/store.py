@@ -20,6 +20,7 @@ from study.contact.laws import COEFFICIENTS
 from study.contact.materials import MATERIALS
 from study.contact.stiffening import TABLE
 from study.dataset.compare import DIGITS, differs
+from study.joint.bearings import TABLE as BEARINGS
 
 if TYPE_CHECKING:
     from study.joint import Kinematics
@@ -44,7 +45,7 @@ PACKAGE = paths.DATA / "datapackage.json"
 HASHES = paths.DATA / "SHA256SUMS"
 RELATIVE_COSTS = paths.STUDY / "choose/relative_costs.json"
 LOOKS = paths.STUDY / "pages/looks.csv"
-LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, LOOKS)
+LIBRARY = (COEFFICIENTS, RELATIVE_COSTS, TABLE, MATERIALS, BEARINGS, LOOKS)
 """Files of numbers in the folders of the modules that read them."""
 
 

@@ -47,7 +47,8 @@ class Joint(JointDescription):
 
     `solve` gives the elastic solution at given depths or under given forces, `curve` the
     force-depth curve, `law` a contact law, and `power_law` the constants of F = k d^n.
-    `from_ratios` makes a joint without dimensions from ratios.
+    `of` makes a joint from texts or from the words of a bearing catalogue, and `from_ratios` one
+    without dimensions from ratios.
 
     Parameters
     ----------
@@ -190,6 +191,36 @@ class Joint(JointDescription):
         liner = tuple(Liner(t, of.material) for t, of in zip(thick, layers, strict=False))
         sizes = 1.0, 1 / given["r2_star"], outer[-1] - 1.0
         return cls(*sizes, ball, socket, liner, **supports, has_dimensions=False)
+
+    @classmethod
+    def of(cls, **values: Any) -> Joint:
+        """Joint of the values that commands read, which include the words of bearing catalogues.
+
+        Parameters
+        ----------
+        **values
+            Arguments of `Joint` or `from_ratios`, as numbers in SI units, or as texts such as
+            "29mm". Instead of them: ``ball_diameter``, ``play`` (twice the clearance),
+            ``outer_diameter``, ``outer_width`` of a ring, and ``bore`` and ``inner_width`` of a
+            ball on a pin; or ``bearing`` for all of these.
+
+        Raises
+        ------
+        ValueError
+            If a value is missing or outside its range, or if two values contradict each other.
+
+        Examples
+        --------
+        >>> sizes = {"ball_diameter": "29mm", "outer_diameter": "35mm", "outer_width": "12mm"}
+        >>> joint = Joint.of(**sizes, bore="20mm", inner_width="16mm", play="61um")
+        >>> print(f"{joint.clearance:g}", joint.opening)
+        3.05e-05 65.611317:114.388683
+        >>> Joint.of(bearing="GE 20 E", socket="steel") == joint
+        True
+        """
+        from study.joint.options import joint_of  # late: it makes options from this class
+
+        return joint_of(values)
 
     def arguments(self) -> dict[str, Any]:
         """Arguments of `Joint` or `from_ratios` that are not the default.

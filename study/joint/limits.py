@@ -35,6 +35,7 @@ def limits(
     yield_factor: Mapping[str, float] | None = None,
     depth: float | None = None,
     strain: float | None = None,
+    peak_at_rim: bool = False,
 ) -> Limits:
     """Model limits that one contact exceeds: a key for each, and a sentence.
 
@@ -53,6 +54,8 @@ def limits(
         Yield stress divided by the maximum von Mises stress, for each body that has both.
     depth, strain
         Penetration depth in m, and peak pressure divided by the minimum Young's modulus.
+    peak_at_rim
+        Whether the maximum pressure is at a rim that cuts the contact.
     """
     found = {}
     for body, factor in (yield_factor or {}).items():
@@ -76,6 +79,11 @@ def limits(
             "A rim of the socket or the edge of the ball's face cuts the contact. The pressure at "
             "a sharp edge is unbounded, and in reality depends on the shape of the edge."
         )
+        if peak_at_rim:
+            found["rim"] += (
+                " Because the model's edge is sharp, the pressure there grows with the resolution; "
+                "peak_pressure is therefore the pressure at the middle of the contact."
+            )
     elif to_rim is not None and to_rim < NEAR_RIM:
         found["rim"] = (
             f"The contact ends {to_rim:.2g} deg from a rim of the socket or the edge of the ball's "

@@ -8,7 +8,7 @@ columns of parameter studies.
 from __future__ import annotations  # so that help() shows names and not what they stand for
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,21 @@ from study.joint import limits
 from study.joint.description import JointDescription
 from study.parameters import Quantity, derived, stored
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 Floats = NDArray[np.float64]
+_SHOWN = (
+    "depth",
+    "tilt",
+    "force",
+    "stiffness",
+    "contact_half_angle_deg",
+    "peak_pressure",
+    "peak_error",
+    "force_error",
+)
+_FEW = 4  # values of a quantity that are shown, and the last one
 _NOT_STORED: Any = None  # of what is asked for, or that a solution read from a table lacks
 FORMULATION = 1.5
 """Error of small displacements, relative to the force and to the strain of the bodies, which is the
@@ -77,9 +91,10 @@ class Solution:
         series and about 1 for elements of bodies that are held at a core, a neck or a seat, where
         stresses have no bound. A contact that is a ring, and three-node triangles, have the force
         of the finer mesh.
-    peak_error
-        The same of the maximum pressure. Where a rim cuts the contact, the pressure there grows
-        with the resolution, and the error is that to be expected at twice the resolution.
+    peak_pressure_star, peak_error
+        The maximum pressure and its numerical error. Where ``peak_at_rim``, it is the pressure at
+        the middle of the contact instead: a rim is a sharp edge in the model, and the pressure
+        there grows with the resolution.
     stiffness_star, transverse_stiffness_star
         Off the axis within about 1 % of differences of the force, and within 3 % in contacts of few
         elements, at depths of about 0.1 (``tests/joint/test_tilted.py``).
@@ -89,8 +104,8 @@ class Solution:
         centre slides along w x n, where w is the direction of the load, so that the torque is mu
         times the integral of p R abs(w x n) dA (this study). For a small contact of the radius a it
         is 3 pi a/16, that of Hertz's pressure.
-    reaches_rim
-        Whether the contact is cut by a rim.
+    reaches_rim, peak_at_rim
+        Whether a rim cuts the contact, and whether the pressure is largest there.
     angle_deg, pressure_star
         Polar angles in deg, shape (n,), and the pressure there, shape (k, n). Along the axis it is
         the pressure on the ball for ``linear`` kinematics; off the axis, angles are signed and in
@@ -121,7 +136,11 @@ class Solution:
     contact_area_star: Floats = stored(
         "Area of contact divided by R2^2; off the axis within about 5 %", default=None
     )
-    peak_pressure_star: Floats = stored("Maximum of the normalised contact pressure", default=None)
+    peak_pressure_star: Floats = stored(
+        "Maximum of the normalised contact pressure, or its value at the middle of the contact if "
+        "the maximum is at a rim",
+        default=None,
+    )
     peak_error: Floats = stored(
         "Estimated relative error of the maximum pressure", read="%", default=None
     )
@@ -141,6 +160,7 @@ class Solution:
     )
     error_estimate: Floats = stored("Numerical error of the force, relative to it", read="%")
     reaches_rim: NDArray[np.bool_] | None = None
+    peak_at_rim: NDArray[np.bool_] | None = None
     angle_deg: Floats = field(default=_NOT_STORED, repr=False)
     pressure_star: Floats = field(default=_NOT_STORED, repr=False)
     stress: dict[str, LargestStress] = field(default=_NOT_STORED, repr=False)
@@ -169,9 +189,27 @@ class Solution:
     def contact_area(self) -> Floats:  # noqa: D102
         return self.joint.socket_radius**2 * self.contact_area_star
 
-    @derived("Maximum contact pressure", "Pa", "MPa")
+    @derived(
+        "Maximum contact pressure, or that at the middle of the contact if the maximum is at a rim",
+        "Pa",
+        "MPa",
+    )
     def peak_pressure(self) -> Floats:  # noqa: D102
         return self.joint.pressure_unit * self.peak_pressure_star
+
+    @derived("Specific load of a ring: force over ring width and ball diameter, normalised")
+    def specific_load_star(self) -> Floats | None:  # noqa: D102
+        joint, opening = self.joint, self.joint.opening
+        if not opening.is_ring:
+            return None
+        width = -np.diff(np.cos(np.radians([opening.first, opening.last])))  # over R2
+        across: Any = self.transverse_star  # which is not None, as no ring is loaded along its axis
+        force = np.hypot(self.force_star, across)
+        return force / (2 * width * (joint.r2_star - 1))
+
+    @derived("Specific load of a ring: force over ring width and ball diameter", "Pa", "MPa")
+    def specific_load(self) -> Floats | None:  # noqa: D102
+        return _scaled(self.joint.pressure_unit, self.specific_load_star)
 
     @derived(
         "Friction torque of a rotation about the load, divided by the coefficient of friction and "
@@ -201,22 +239,70 @@ class Solution:
 
     @property
     def von_mises(self) -> dict[str, Floats]:
-        """Maximum von Mises stress in each body in Pa; of a solution with stresses."""
-        stress = self.stress or {}
-        return {body: self.joint.pressure_unit * of.von_mises for body, of in stress.items()}
+        """Maximum von Mises stress in each body in Pa.
+
+        Raises ``ValueError`` if the joint was solved without stresses.
+        """
+        if self.stress is None:
+            raise ValueError(
+                "the solution must have stresses for von_mises and yield_factor; solve the joint "
+                "with stresses=True, as in joint.solve(force=3000, stresses=True)"
+            )
+        unit = self.joint.pressure_unit
+        return {body: unit * of.von_mises for body, of in self.stress.items()}
 
     @property
     def yield_factor(self) -> dict[str, Floats | None]:
         """Yield stress divided by the maximum von Mises stress of each body.
 
         The body yields if the factor is below 1; None for a material without a yield stress. All
-        other numbers are for elastic bodies, also beyond yield.
+        other numbers are for elastic bodies, also beyond yield. Raises as `von_mises` does.
         """
         strengths = {body: of.yield_stress for body, of in self.joint.materials.items()}
         return {
             body: None if (strength := strengths[body]) is None else strength / stress
             for body, stress in self.von_mises.items()
         }
+
+    def columns(self) -> dict[str, Any]:
+        """Quantities by name, in SI units or normalised, each with k values.
+
+        They are those of `quantities` that this contact has, the stresses of each body, and the
+        model limits that are exceeded.
+        """
+        every = {name: getattr(self, name) for name in quantities(self.joint.has_dimensions)}
+        for body, stress in (self.von_mises if self.stress else {}).items():
+            name = body.replace(" ", "_")
+            every |= {f"von_mises_{name}": stress, f"yield_factor_{name}": self.yield_factor[body]}
+        every["applicability"] = [limits.in_short(found) for found in self.limits]
+        return {name: values for name, values in every.items() if values is not None}
+
+    def table(self) -> pd.DataFrame:
+        """Table of the quantities, with a row for each of the k depths: see `columns`.
+
+        Examples
+        --------
+        >>> from study.joint import Joint
+        >>> joint = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
+        >>> table = joint.solve(force=[1e3, 3e3]).table()
+        >>> print(table.depth.map("{:.3g}".format).to_list(), table.applicability[0])
+        ['2.19e-06', '4.23e-06'] inside
+        """
+        import pandas as pd  # late: joints need no tables
+
+        return pd.DataFrame(self.columns())
+
+    def __repr__(self) -> str:
+        about, lines = quantities(self.joint.has_dimensions), [f"Solution of {self.joint}"]
+        for name, of in about.items():
+            values = getattr(self, name)
+            if values is not None and name.removesuffix("_star") in _SHOWN:
+                texts = [f"{value / of.scale:.4g}" for value in values]
+                texts[_FEW:-1] = ["..."] * (len(texts) > _FEW + 1)
+                lines.append("  ".join([f"{name} {of.read}".ljust(27), *texts]))
+        exceeded = dict.fromkeys(name for of in self.limits for name in of)
+        lines.append(f"model limits that are exceeded: {', '.join(exceeded) or 'none'}")
+        return "\n".join(lines)
 
     @property
     def direction_deg(self) -> float | None:
@@ -246,7 +332,7 @@ class Solution:
         """
         joint, found = self.joint, []
         moduli = {body: of.youngs_modulus for body, of in joint.materials.items()}
-        factors = {body: of for body, of in self.yield_factor.items() if of is not None}
+        factors = self.yield_factor if self.stress else {}
         wall = joint.socket_ratio - 1 if joint.is_held_all_round else None
         for k, depth_star in enumerate(self.depth_star):
             of_sizes: dict[str, Any] = {}
@@ -258,7 +344,8 @@ class Solution:
                 to_rim=self.to_rim_deg[k],
                 wall=wall,
                 half_angle_deg=self.contact_half_angle_deg[k],
-                yield_factor={body: of[k] for body, of in factors.items()},
+                yield_factor={body: of[k] for body, of in factors.items() if of is not None},
+                peak_at_rim=self.peak_at_rim is not None and self.peak_at_rim[k],
                 **of_sizes,
             )
             of_moduli = limits.modulus_limit(moduli) if joint.has_dimensions else {}

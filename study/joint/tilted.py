@@ -191,8 +191,10 @@ def _solution(joint, resolution, found):
     fine = [f for f, _ in solved]
     force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
     cut = np.array([f.reaches_rim for f in fine])
-    peak = np.array([f.peak if f.reaches_rim else _extrapolated(f.peak, c.peak) for f, c in solved])
     low, high = np.array([f.edges for f in fine]).T
+    # the pressure at a rim that cuts the contact grows with the resolution
+    at_rim = np.array([f.at_rim * _GROWTH_AT_EDGE > f.peak for f in fine])
+    peak, peak_error = np.array([_peak(*s, of) for s, of in zip(solved, at_rim, strict=True)]).T
     depths, tilts = np.array([at for at, _ in found]).T
     return Solution(
         joint=joint,
@@ -207,13 +209,14 @@ def _solution(joint, resolution, found):
         contact_half_angle_deg=(high - low) / 2,
         contact_area_star=np.array([f.area for f in fine]),
         peak_pressure_star=peak,
-        peak_error=np.array([_peak_error(*s, at) for s, at in zip(solved, peak, strict=True)]),
-        peak_angle_deg=np.array([f.peak_angle for f in fine]),
+        peak_error=peak_error,
+        peak_angle_deg=np.where(at_rim, (low + high) / 2, [f.peak_angle for f in fine]),
         contact_from_deg=low,
         contact_to_deg=high,
         friction_radius_star=np.array([f.friction_radius for f in fine]),
         error_estimate=np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)]),
         reaches_rim=cut,
+        peak_at_rim=at_rim,
         angle_deg=fine[0].profile[0],
         pressure_star=np.array([f.profile[1] for f in fine]),
     )
@@ -232,24 +235,27 @@ def _force_error(fine, coarse, force):
     return max(correction, _FORCE_OF_PRESSURES * apart)
 
 
-def _peak_error(fine, coarse, peak):
-    """Estimated relative error of the peak pressure.
+def _peak(fine, coarse, is_at_rim):
+    """Peak pressure, or the pressure at the middle of the contact, and its estimated error.
 
     An extrapolated peak may be off by 4/3 of the difference of two grids, and pressures that ripple
-    put the fitted maximum off by less than what the largest of them exceeds it. A pressure at an
-    edge has no bound: it is that to be expected at twice the resolution.
+    put the fitted maximum off by less than what the largest of them exceeds it.
     """
-    highest = fine.highest * (_GROWTH_AT_EDGE if fine.reaches_rim else 1.0)
-    return max(4 / 3 * abs(fine.peak - coarse.peak), highest - peak) / peak
+    if is_at_rim:
+        return fine.middle, 4 / 3 * abs(fine.middle / coarse.middle - 1)
+    peak = fine.peak if fine.reaches_rim else _extrapolated(fine.peak, coarse.peak)
+    highest = fine.at_rim * _GROWTH_AT_EDGE if fine.reaches_rim else fine.highest
+    return peak, max(4 / 3 * abs(fine.peak - coarse.peak), highest - peak) / peak
 
 
 @dataclass(frozen=True)
 class GridContact:
     """Contact on one grid: force and stiffness along and across, the rest as in `Solution`.
 
-    ``highest`` is the largest pressure of a node, or at a rim that cuts the contact of a node
-    there. ``pressure`` is that on the socket, and ``of_ball`` that on the ball, at the nodes of
-    their grids. ``profile`` is the pressure at signed polar angles in the plane of symmetry, in
+    ``middle`` is the pressure at the middle of the contact, ``highest`` the largest of a node, and
+    ``at_rim`` that of a node at a rim, or 0 if no rim cuts the contact. ``pressure`` is that on the
+    socket, and ``of_ball`` that on the ball, at the nodes of their grids. ``profile`` is the
+    pressure at signed polar angles in the plane of symmetry, in
     deg.
     """
 
@@ -258,7 +264,9 @@ class GridContact:
     area: float
     peak: float
     peak_angle: float
+    middle: float
     highest: float
+    at_rim: float
     edges: tuple[float, float]
     reaches_rim: bool
     friction_radius: float
@@ -327,8 +335,7 @@ class Contacts:
         nodes = touching.nodes[touching.active]
         if (gap.size[nodes] < (1 - _WHOLE) * self.socket.areas[nodes]).any():
             raise self._outside(depth, tilt)
-        is_symmetric = self.joint.is_plane_of_symmetry(tilt)
-        return self._contact(gap, touching, _NEAR * depth, is_symmetric)
+        return self._contact(gap, touching, _NEAR * depth, tilt)
 
     def _outside(self, depth, tilt):
         """Error of a contact that reaches what is not the ball's spherical surface."""
@@ -406,9 +413,10 @@ class Contacts:
         seen = spread @ (spread @ self.ball.matrix(columns)).T
         return seen + local[:, None] * unseen * local
 
-    def _contact(self, gap, touching, step, is_symmetric):
+    def _contact(self, gap, touching, step, tilt):
         """What follows from the pressure: forces, stiffness, edges, peak and friction."""
         joint, grid, axes = self.joint, self.socket.grid, gap.axes
+        is_symmetric = joint.is_plane_of_symmetry(tilt)
         force = axes @ gap.normal.T @ (touching.pressure @ gap.weighted[touching.nodes])
         stiffness = _stiffness(gap, touching, step)
         if is_symmetric:
@@ -421,8 +429,11 @@ class Contacts:
         every = np.zeros(grid.size)
         every[nodes] = pressure
         on_area = pressure * gap.size[nodes] / (weighted @ gap.acted_on)
-        peak, peak_angle = self._peak(nodes, on_area, gap.mass)
         in_plane, plane = grid.ends[nodes] < 1, np.flatnonzero(grid.ends < 1)
+        edges = _edges(self.signed_angle[nodes[in_plane]], pressure[in_plane], grid)
+        peak, peak_angle, middle = self._peak(nodes, on_area, gap.mass, np.radians(sum(edges) / 2))
+        if is_symmetric and abs(peak_angle - tilt) < np.degrees(grid.step):
+            peak_angle = tilt  # without the rounding of the parabola's coefficients
         plane = plane[np.argsort(self.signed_angle[plane], kind="stable")]
         return GridContact(
             force=2 * joint.r2_star * force,
@@ -430,8 +441,10 @@ class Contacts:
             area=2 * float(gap.size[nodes].sum()),
             peak=peak,
             peak_angle=peak_angle,
-            highest=on_area[at_rim if at_rim.any() else slice(None)].max(),
-            edges=_edges(self.signed_angle[nodes[in_plane]], pressure[in_plane], grid),
+            middle=middle,
+            highest=on_area.max(),
+            at_rim=on_area[at_rim].max(initial=0.0),
+            edges=edges,
             reaches_rim=bool(at_rim.any()),
             friction_radius=self._friction(gap.normal, axes.T @ force, weighted, pressure),
             profile=(self.signed_angle[plane], every[plane]),
@@ -439,32 +452,37 @@ class Contacts:
             of_ball=gap.moved[nodes].T @ pressure / self.ball.areas / scale,
         )
 
-    def _peak(self, nodes, pressure, mass):
-        """Maximum pressure, and its signed polar angle in deg.
+    def _peak(self, nodes, pressure, mass, middle):
+        """Maximum pressure, its signed polar angle in deg, and the pressure at a middle angle.
 
         Pressures at single nodes ripple, and the ring beside the pole does so as a whole. The
         maximum is therefore sought in means over neighbours, taken twice. A parabola in both angles
         is fitted around it by the nodes' areas. Where this parabola has no maximum, as at an edge,
-        the maximum is that of the means.
+        the maximum is that of the means. A parabola around the middle gives the pressure there.
         """
         grid, area = self.socket.grid, self.socket.areas[nodes]
         near = mass[nodes][:, nodes]
         near = near / near.sum(axis=1)[:, None]
         mean = near @ (near @ pressure)
         x, y, z = self.node_normal[nodes].T
-        top = mean.argmax()
-        along = np.arctan2(x, z) - np.arctan2(x[top], z[top])
+        angle, top = np.arctan2(x, z), mean.argmax()
         radius = max(_WINDOW * np.sqrt(area.sum() / (np.pi / 2)), 2 * grid.step)
-        window = np.hypot(along, y - y[top]) < radius
-        terms = np.column_stack([np.ones_like(along), along, along**2, y**2])[window]
-        weight = np.sqrt(area[window])
-        (level, slope, bend, _), *_ = np.linalg.lstsq(
-            weight[:, None] * terms, weight * pressure[window]
-        )
+
+        def parabola(along, across):
+            window = np.hypot(angle - along, y - across) < radius
+            terms = np.column_stack(
+                [np.ones_like(angle), angle - along, (angle - along) ** 2, y**2]
+            )
+            weight = np.sqrt(area[window])
+            fit = np.linalg.lstsq(weight[:, None] * terms[window], weight * pressure[window])
+            return *fit[0][:3], len(weight)
+
+        at_middle, *_ = parabola(middle, 0.0)
+        level, slope, bend, count = parabola(angle[top], y[top])
         shift = -slope / (2 * bend) if bend < 0 else np.inf
-        if abs(shift) < radius / 2 and len(weight) >= _FITTED:
-            return level + slope * shift / 2, np.degrees(np.arctan2(x[top], z[top]) + shift)
-        return mean[top], self.signed_angle[nodes[top]]
+        if abs(shift) < radius / 2 and count >= _FITTED:
+            return level + slope * shift / 2, np.degrees(angle[top] + shift), at_middle
+        return mean[top], self.signed_angle[nodes[top]], at_middle
 
     def _friction(self, normal, force, weighted, pressure):
         """Friction radius in R2 (`study.joint.Solution.friction_radius_star`)."""

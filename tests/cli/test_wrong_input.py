@@ -20,7 +20,7 @@ WRONG = [
     (f"joint {SIZES} --force=", "force is empty; give a value, or leave it out"),
     (f"joint {SIZES} --force 1 --depth 1um", "got depth and force"),
     (f"joint {SIZES} --force 1 --resolution 50", "resolution must be a multiple of 32, got 50"),
-    (f"joint {SIZES} --ring-width 30mm --force 1", "ring_width must be < 0.025 m, got 0.03 m"),
+    (f"joint {SIZES} --outer-width 30mm --force 1", "outer_width must be < 0.025 m, got 0.03 m"),
     (f"joint {SIZES} --play 80um", "play and clearance must not both be given"),
     (f"joint {SIZES} --force 1 --tilt 999", "tilt must be >= 0 and <= 170 deg, got 999 deg"),
     ("joint --r2-star 50 --depth-star 0.1 --plot x.png", "plot requires a joint with dimensions"),
