@@ -195,6 +195,7 @@ def _solution(joint, resolution, found):
     # the pressure at a rim that cuts the contact grows with the resolution
     at_rim = np.array([f.at_rim * _GROWTH_AT_EDGE > f.peak for f in fine])
     peak, peak_error = np.array([_peak(*s, of) for s, of in zip(solved, at_rim, strict=True)]).T
+    error = np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)])
     depths, tilts = np.array([at for at, _ in found]).T
     return Solution(
         joint=joint,
@@ -209,12 +210,12 @@ def _solution(joint, resolution, found):
         contact_half_angle_deg=(high - low) / 2,
         contact_area_star=np.array([f.area for f in fine]),
         peak_pressure_star=peak,
-        peak_error=peak_error,
+        peak_error=np.where(at_rim, np.maximum(peak_error, error), peak_error),
         peak_angle_deg=np.where(at_rim, (low + high) / 2, [f.peak_angle for f in fine]),
         contact_from_deg=low,
         contact_to_deg=high,
         friction_radius_star=np.array([f.friction_radius for f in fine]),
-        error_estimate=np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)]),
+        error_estimate=error,
         reaches_rim=cut,
         peak_at_rim=at_rim,
         angle_deg=fine[0].profile[0],
@@ -237,6 +238,8 @@ def _force_error(fine, coarse, force):
 
 def _peak(fine, coarse, is_at_rim):
     """Peak pressure, or the pressure at the middle of the contact, and its estimated error.
+
+    The latter is at least the error of the force, because two grids may agree by chance.
 
     An extrapolated peak may be off by 4/3 of the difference of two grids, and pressures that ripple
     put the fitted maximum off by less than what the largest of them exceeds it.
