@@ -7,6 +7,7 @@ compares every result that it makes with the accepted one.
 import doctest
 import json
 import re
+import shlex
 
 import numpy as np
 import pandas as pd
@@ -198,7 +199,7 @@ def printed_errors():
     """Options of the joints in the table, and the error of the elastic solution in percent."""
     rows = re.findall(r"^\|[^|]*\| `(--[^`]*)`[^|]*\|[^|]*\| ([\d.]+) %", README, re.MULTILINE)
     assert len(rows) == 4
-    return [(options.split(), float(percent)) for options, percent in rows]
+    return [(shlex.split(options), float(percent)) for options, percent in rows]
 
 
 def test_the_power_law_of_random_joints():
@@ -221,13 +222,27 @@ def test_large_displacements():
 @pytest.mark.parametrize(("options", "percent"), printed_errors())
 def test_the_force_errors_of_other_joints(run, options, percent):
     (base,) = re.findall(r"^study (joint .*)$", README, re.MULTILINE)
-    (row,) = json.loads(run(*base.split(), *options, "--json")[1])
+    words = ["joint", "--force", "3kN"] if "--bearing" in options else base.split()
+    (row,) = json.loads(run(*words, *options, "--json")[1])
     assert checks.percent(row["force_error"]) == f"{percent:g} %"
-    if "--ring-width" in options:
-        (power,) = claimed(r"for Adams `power`, within (\S+) %")
-        words = [word for word in base.split() if word not in ("joint", "--force", "3kN")]
-        text = run("export", "power", "c", *words, *options)[1]
-        assert f"{power:g} %" in text
+
+
+def test_the_power_law_of_bearings():
+    *ends, below, above, free = claimed(
+        r"is within (\S+) to (\S+) % of the elastic solution at depths from half .*? and within "
+        r"(\S+) to (\S+) % at depths .*? changes the depth under this load by −(\S+) to \+(\S+) %, "
+        r"and a housing that holds only the middle of the ring by \+(\S+) %"
+    )
+    table = kept("bearings")
+    for name, (low, high) in zip(("around", "wide"), (ends[:2], ends[2:]), strict=True):
+        error = table[f"error_{name}_percent"]
+        assert low <= error.min() < low + 0.1
+        assert high - 0.1 < error.max() <= high
+    drawn = kept("bearing_band").query("panel in ('low', 'high')")
+    effects = drawn.pivot_table("y", "x", "panel", aggfunc=lambda of: float(of.iloc[0]))
+    (play,) = (of for of in effects.index if of.startswith("play"))
+    assert effects.loc[play, ["low", "high"]].to_numpy() == pytest.approx([-below, above], abs=0.5)
+    assert effects.high["housing rigid or free"] == pytest.approx(free, abs=0.5)
 
 
 def test_the_example_runs():
