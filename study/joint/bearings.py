@@ -54,7 +54,7 @@ def find(text: str, name: str = "bearing") -> dict[str, Any]:
 
 
 def play_ends(text: str) -> tuple[float, float]:
-    """Minimum and maximum play in m of a bearing's class, which is the normal one without a word."""
+    """Minimum and maximum play in m of a bearing's class: C2, C3, or else normal."""
     row, of_class = find(text), CLASSES.get(_plain(text)[-2:], "normal")
     return row[f"{of_class}_min"], row[f"{of_class}_max"]
 

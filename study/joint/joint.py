@@ -39,6 +39,7 @@ from study.joint.solution import Solution
 from study.joint.supports import ClampedPlate
 from study.parameters import Parameter
 
+_AROUND = 2.0  # maximum depth of a power law over that of the loads, and so for the minimum
 _STEP, _NARROWEST = 1.1, 0.02  # from one maximum depth of a narrow socket to the next; the last one
 
 
@@ -424,6 +425,16 @@ class Joint(JointDescription):
             joint=self,
         )
 
+    def depths_around(self, depth: ArrayLike) -> tuple[float, float]:
+        """Range for a power law around depths in m: half the minimum to twice the maximum.
+
+        The ends have 4 digits. The latter is not beyond the default maximum depth of the joint,
+        unless a given depth is.
+        """
+        last = np.max(depth)
+        high = max(last, min(_AROUND * last, self.default_depth * self.clearance))
+        return float(f"{np.min(depth) / _AROUND:.4g}"), float(f"{high:.4g}")
+
     def power_law(
         self, depths: tuple[float, float] | None = None, tilt: float | None = None
     ) -> PowerFit:
@@ -432,7 +443,8 @@ class Joint(JointDescription):
         Parameters
         ----------
         depths
-            Minimum and maximum penetration depth in m. The default is 0.05 and 0.5 clearances.
+            Minimum and maximum penetration depth in m, such as those of `depths_around`. The
+            default is 0.05 and 0.5 clearances.
         tilt
             Angle in deg between displacement and axis; F is then the force along the displacement.
 

@@ -87,6 +87,21 @@ def test_the_line_for_adams_exports_the_same_k_and_n(run, output):
         assert float(coefficient) == pytest.approx(in_mm, rel=1e-6)
 
 
+def test_a_bearing_has_the_same_k_and_n_in_every_command(run, output, table):
+    words = ["--bearing", "GE 20 E", "--play", "60um"]
+    _, out, err = run("joint", *words, "--force", "30kN", "--power-law", "--json")
+    (row,) = json.loads(out)
+    assert "outer_width 12 mm, ball_diameter 29 mm, play 60um (given)" in err
+    assert row["specific_load"] == pytest.approx(30e3 / 12e-3 / 29e-3, rel=1e-6)
+    ends = (word for of in ("power_from", "power_to") for word in ("--depth", f"{row[of]:.9g}"))
+    text = output("export", "power", "c", *words, *ends)
+    k, n = re.search(r"k = (\S+), n = (\S+)", text).groups()
+    assert float(k) == pytest.approx(row["power_coefficient"], rel=1e-6)
+    assert float(n) == pytest.approx(row["power_exponent"], rel=1e-6)
+    listed = table("data", "bearings").set_index("name").loc["GE 20 E"]
+    assert listed[["bore", "normal_max"]].tolist() == [0.02, 82e-6]
+
+
 def test_options_replace_the_columns_of_a_file(run, tmp_path):
     (tmp_path / "cases.csv").write_text("part,force,clearance\na,3kN,1um\nb,-3kN,2um\n")
     words = ["joint", tmp_path / "cases.csv", *SIZED, "--jobs", 1]

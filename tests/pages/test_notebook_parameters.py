@@ -48,7 +48,8 @@ def test_one_value_of_a_list_gives_results(execute, number, given):
         ("17", {"resolution": 100}, "ValueError: resolution must be a multiple of 32, got 100"),
         ("21", {"parts": ["nope"]}, "RangeError: parts must be one of force and depth, range of"),
         ("30", {"mine": "none.csv"}, "mine must be a CSV file that can be read, got none.csv"),
-        ("31", {"rod_end_force": -5}, "rod_end_force must be >= 250 and <= 20000 N, got -5 N"),
+        ("31", {"specific_load": -5}, "specific_load must be >= 20 and <= 500 MPa, got -5 MPa"),
+        ("31", {"bearing": "GE 21 E"}, "bearing must be GE SIZE E, where SIZE is one of 4, 5"),
     ],
 )
 def test_a_wrong_parameter_is_one_sentence(execute, number, given, message):

@@ -149,6 +149,16 @@ def test_what_has_changed_is_run_with_its_readers_and_nothing_else(project):
     assert ran(study(project, "run", *NAMES)) == [CURVE, TOTAL]
 
 
+def test_a_new_result_of_a_notebook_is_made_beside_its_old_ones(project):
+    catalogue = project / "notebooks/catalogue.toml"
+    text = catalogue.read_text()
+    catalogue.write_text(text.replace("[21-", '[02-law.more]\nshows = "more"\n[21-', 1))
+    edit(project, LAW, '"law")', '"law"); figures.save_table(pd.DataFrame({"x": [1]}), "more")')
+    assert ran(study(project, "run", "law", "more")) == [LAW]
+    assert (project / "build/results/more.csv").is_file()
+    catalogue.write_text(text)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
