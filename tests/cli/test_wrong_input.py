@@ -26,7 +26,7 @@ WRONG = [
     ("joint --bearing GE20E --r2-star 50", "r2_star and bearing must not both be given"),
     ("joint --bearing GE20E --outer-diameter 29mm", "outer_diameter must be > 0.029061 m, got"),
     ("joint --bearing GE20E --bore 28mm", "radius of the pin must be <= 0.01137 m in a ball"),
-    ("joint --bearing GE20E --play 2nm", "clearance follows from play"),
+    ("joint --bearing GE20E --play 5mm --outer-diameter 4cm", "clearance follows from play"),
     (
         "joint --ball-diameter 2cm --play 1mm --wall 5mm --bore 1cm",
         "bore and inner_width must both",
