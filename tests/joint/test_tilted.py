@@ -56,7 +56,7 @@ BEARINGS = (
 The specific loads are about 100 and 400 MPa. By CalculiX 2.20 and `other_programs.calculix_ring` at
 (6, 3), extrapolated from penalties of 3000 and 6000 to a contact without compliance, which changes
 a force by 0.14 to 0.22 %. In the last five, a mesh of (8, 3) changes a force by at most 0.07 % and
-a pressure by at most 0.04 %, while the pressure at the rim grows by 3 to 5 %.
+a pressure by at most 0.04 %, while the pressure at the rim grows by 2.7 to 4.6 %.
 """
 SUPPORTS = (
     {"ball_support": "core:0.3", "opening": 70},
