@@ -64,10 +64,21 @@ def test_a_load_off_the_axis_whose_contact_is_cut_by_the_rim():
 def test_a_rod_end_whose_contact_is_cut_by_both_rims():
     found = ROD_END.solve(depth_star=0.5, resolution=32)
     assert found.reaches_rim
-    force, pressure = calculix_ring.pressed(ROD_END, 0.5, resolution=4, shells=2)
+    force, pressure, _ = calculix_ring.pressed(ROD_END, 0.5, resolution=4, shells=2)
     # forces of finer meshes are kept in `test_tilted`
     assert force == pytest.approx(found.force_star[0], rel=5e-3)
     assert pressure == pytest.approx(found.peak_pressure_star[0], rel=0.03)
+
+
+@needs_calculix
+@pytest.mark.slow
+def test_at_a_rim_the_pressure_grows_with_the_resolution_and_at_the_middle_it_does_not():
+    joint = Joint.of(bearing="GE 20 E", socket="bearing steel")
+    (force, middle, rim), finer = (
+        calculix_ring.pressed(joint, 0.68, resolution=n, shells=n // 2) for n in (4, 6)
+    )
+    assert finer[:2] == pytest.approx([force, middle], rel=3e-3)
+    assert finer[2] > 1.08 * rim  # a sharp edge
 
 
 def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmetry():
@@ -87,8 +98,12 @@ def test_bricks_of_a_rod_end_are_right_handed_and_held_in_their_planes_of_symmet
     bore = [place[int(k)] for (k,) in cards["*NSET, NSET=BALLHELD"]]
     radii = np.hypot(*(np.array(bore)[:, :2] - [1 / 200, 0]).T)
     assert radii == pytest.approx(0.5 * ROD_END.radius_ratio)
-    for (k,) in cards["*NSET, NSET=FIRST"]:
-        assert place[int(k)] == pytest.approx([1, 0, 0])
+    z = np.cos(np.radians(55))
+    for (rim, middle), radius in zip(
+        np.reshape(cards["*NSET, NSET=READ"], (2, 2)), (ROD_END.radius_ratio, 1), strict=True
+    ):
+        assert place[int(rim)][2] == pytest.approx(radius * z)
+        assert place[int(middle)] == pytest.approx([1, 0, 0])
 
 
 @needs_calculix

@@ -189,7 +189,7 @@ def by_calculix(case: str, mesh: int = 1, penalty: float = PENALTY) -> Source:
         return Source(f"{name}, axisymmetric CAX6, {resolution} along the surface", unit * forces)
     if case == "rod_end":
         resolution, shells = ((4, 2), (6, 3))[mesh]
-        force, pressure = calculix_ring.pressed(
+        force, pressure, _ = calculix_ring.pressed(
             joint, star[0], resolution=resolution, shells=shells, penalty=penalty
         )
         values = np.array([unit * force, joint.pressure_unit * pressure])
