@@ -177,9 +177,10 @@ class _Content:
         elif kind is not Table:
             self.law = find(law, joint)
         first = float(curve.depth_star[0])
-        if deepest <= first:
+        if deepest <= first * (1 + 1e-9):
             wanted = f"> {self._depth(first)}, because the elements resolve no shallower contact"
-            raise checks.RangeError(f"maximum depth_star must be {wanted}, got {deepest:g}")
+            got = self._depth(deepest)
+            raise checks.RangeError(f"maximum depth_star must be {wanted}, got {got}")
         self.least = min(max(least, first), deepest)
         depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
         self.error = float(np.abs(self.law(depths, joint.r2_star) / self.exact(depths) - 1).max())

@@ -322,8 +322,10 @@ def test_bad_input_is_one_clear_error(arguments, message):
 @pytest.mark.slow
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_table_off_the_axis_needs_depths_that_are_resolved(form):
-    with pytest.raises(ValueError, match=r"maximum depth_star must be > 0.05 clearances .*, got 0"):
-        export("tabulated", form, RING, 0.006)
+    for deepest, um in ((0.006, "0.18"), (0.05, "1.5")):
+        message = rf"depth_star must be > 0.05 clearances \(1.5 um\), .* \({um} um\)$"
+        with pytest.raises(ValueError, match=message):
+            export("tabulated", form, RING, deepest)
 
 
 @pytest.mark.slow
