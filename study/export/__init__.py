@@ -340,7 +340,8 @@ def _template(file):
 def _spline(content, name):
     """A spline of Adams, and a force between two markers that interpolates it by Akima's method."""
     joint = content.joint
-    depth = np.append(0, np.geomspace(content.least / 2, content.deepest, POINTS - 1))
+    first = min(content.least / 2, content.deepest / 400)
+    depth = np.append(0, np.geomspace(first, content.deepest, POINTS - 1))
     force = np.append(0, content.at(depth[1:])[0])
     places = np.geomspace(content.least, content.deepest, ROWS)
     interpolated = scipy.interpolate.Akima1DInterpolator(depth, force)(places)
