@@ -140,22 +140,40 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
 
 PREFIXES = {"": 0, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
 """SI prefix -> power of ten; micro is a letter u, a sign of its own, or the Greek letter."""
+TOO_LONG = {"km": "kilometre", "Mm": "megametre", "Gm": "gigametre"}
+"""Units of length that no joint has; they are typed by mistake for mm, µm or nm."""
+OTHERS = {
+    "m": {"in": "0.0254"},
+    "N": {"lbf": "4.4482216152605"},
+    "Pa": {"psi": "6894.757293168361", "ksi": "6894757.293168361"},
+}
+"""SI unit -> the other units of the same quantity, in terms of it."""
 _WITH_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)", re.ASCII)
+_UNIT = re.compile(f"[{''.join(PREFIXES)}]?(m|N|Pa|g|s|deg|rad)|in|lbf|[pk]si", re.IGNORECASE)
 
 
-def exponent_of(text: str, unit: str) -> int | None:
-    """Power of ten of a unit with a prefix, such as mm, in terms of an SI unit; None of another."""
+def factor_of(text: str, unit: str) -> Decimal | None:
+    """A unit such as mm, kN or psi in terms of the SI unit of the quantity; None of another."""
+    if text in OTHERS.get(unit, {}):
+        return Decimal(OTHERS[unit][text])
     base, own = (unit[1:], 3) if unit.startswith("kg") else (unit, 0)
     prefix = text.removesuffix(base)
-    if not base or prefix == text or prefix not in PREFIXES:
+    if not base or prefix == text or prefix not in PREFIXES or text in TOO_LONG:
         return None
-    return PREFIXES[prefix] - own
+    return Decimal(1).scaleb(PREFIXES[prefix] - own)
+
+
+def separate_unit(number: str, unit: str) -> bool:
+    """Whether two words of a command line are a number and its unit, such as ``3 kN``."""
+    is_number = _WITH_UNIT.fullmatch(f"{number} {unit}")
+    return bool(is_number and is_number[2] == unit and _UNIT.fullmatch(unit))
 
 
 def read(name: str, text: str, kind: Callable[[str], Any] = float, unit: str = "") -> Any:
     """Return the number that a text states, or raise ``ValueError``.
 
-    A number of an SI ``unit`` may be followed by this unit, which may have a prefix: ``12.5mm``.
+    A number of an SI ``unit`` may be followed by this unit, which may have a prefix (``12.5mm``),
+    or by one of `OTHERS`.
     Underscores (``5_0``) and digits of other scripts are rejected, although Python accepts them.
 
     Examples
@@ -165,9 +183,9 @@ def read(name: str, text: str, kind: Callable[[str], Any] = float, unit: str = "
     """
     text = text.strip()
     found = _WITH_UNIT.fullmatch(text)
-    exponent = exponent_of(found[2], unit) if found and kind is float else None
-    if found and exponent is not None:
-        return float(Decimal(found[1]).scaleb(exponent))  # exactly the number in the SI unit
+    factor = factor_of(found[2], unit) if found and kind is float else None
+    if found and factor is not None:
+        return float(Decimal(found[1]) * factor)  # exactly the number in the SI unit
     try:
         if "_" in text or not text.isascii():
             raise ValueError
@@ -176,7 +194,10 @@ def read(name: str, text: str, kind: Callable[[str], Any] = float, unit: str = "
         what = "an integer" if kind is int else "a number"
         if unit and kind is float:
             what += f" in {unit}, or with its unit, such as {_EXAMPLES.get(unit, f'5 {unit}')}"
-        raise ValueError(f"{name} must be {what}, got {text!r}") from None
+        meant = ""
+        if found and unit == "m" and found[2] in TOO_LONG:
+            meant = f"; {found[2]} is a {TOO_LONG[found[2]]}, and mm or um was probably meant"
+        raise ValueError(f"{name} must be {what}, got {text!r}{meant}") from None
 
 
 _EXAMPLES = {"m": "5mm", "N": "3kN", "Pa": "110GPa"}

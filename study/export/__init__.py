@@ -2,8 +2,9 @@
 
 Each export is for one joint. It states the joint, the range of depths, the units, and the maximum
 error of the law relative to the elastic solution. A law k depth^n is exported as that, and any
-other as a table of force/depth^1.5: a cubic Hermite spline over the root of the depth. A joint
-without dimensions has depths in clearances and forces in E* dR^2.
+other as a table of force/depth^1.5: a cubic Hermite spline over the root of the depth. Adams has a
+spline of its own, through points of the force. A joint without dimensions has depths in clearances
+and forces in E* dR^2.
 
 The texts are templates in this folder, such as ``power.c``. The C function is C89, and the MATLAB
 function also runs in GNU Octave.
@@ -39,11 +40,13 @@ DIMENSIONLESS = ("c", "matlab", "csv")  # also for a joint without dimensions
 SHALLOWEST = 0.005  # minimum depth_star of the error: there the force is < 1/1000 of that at 0.5
 KNOTS = 65, 129, 257, 513, 1025  # of a table: more until it follows the law
 FOLLOWS = 5e-7  # maximum relative error of a table between its knots, relative to the law
-TENDONS = 0.0, 0.004, 0.08  # where those of MuJoCo begin, divided by the maximum depth
+POINTS = 20  # of a spline of Adams
+TENDONS = 0.8, 0.366  # the second and third begin at these fractions of the range's logarithm
 FIRST = 0.001  # minimum depth_star of the error of the tendons
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")  # which is valid in every language
 TURNED = 10.0  # deg, by which the tilt is changed to state the change of the force
 COARSE = 32  # elements along a quarter circle for this change
+BEYOND = "Beyond the range the force continues linearly, and its error is unknown"
 ROWS = 400  # of a CSV after its first, by default, in equal steps of sqrt(depth_star)
 WIDTH = 92
 MILLI = 1e-3
@@ -98,7 +101,7 @@ def export(
     Examples
     --------
     >>> text = export("stiffened_hertz", "c", Joint.from_ratios(r2_star=200))
-    >>> "void stiffened_hertz_law(double depth" in text
+    >>> "int stiffened_hertz_law(double depth" in text
     True
     """
     checks.choice("format", form, FORMATS)
@@ -127,14 +130,12 @@ def export(
     if units == "mm":
         content.units, content.unit_of_depth = ("mm", "N", "N/mm"), joint.clearance / MILLI
     exponent = content.law.exponent_of_depth
-    if form == "adams" and exponent is None:
-        raise ValueError(
-            f"law must be a power k depth^n for the format adams, such as power or hertz, got {law}"
-        )
     if form == "csv":
         return _csv(content, name, points or ROWS + 1)
     if form == "mujoco":
         return _tendon(content, name)
+    if form == "adams" and exponent is None:
+        return _spline(content, name)
     return _function(content, form, name, exponent)
 
 
@@ -176,6 +177,10 @@ class _Content:
         elif kind is not Table:
             self.law = find(law, joint)
         first = float(curve.depth_star[0])
+        if deepest <= first * (1 + 1e-9):
+            wanted = f"> {self._depth(first)}, because the elements resolve no shallower contact"
+            got = self._depth(deepest)
+            raise checks.RangeError(f"maximum depth_star must be {wanted}, got {got}")
         self.least = min(max(least, first), deepest)
         depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
         self.error = float(np.abs(self.law(depths, joint.r2_star) / self.exact(depths) - 1).max())
@@ -256,7 +261,7 @@ def _change(joint, deepest, tilt):
 
 def _function(content, form, name, exponent):
     """A function, or an element with k and n, from the templates of a format."""
-    joint, law = content.joint, content.law
+    joint, law, about = content.joint, content.law, content.in_words()
     values = {
         "name": name or ("ClearanceJoint" if form == "modelica" else f"{law.name}_law"),
         "prefix": f"{name}_" if name else "",
@@ -264,6 +269,8 @@ def _function(content, form, name, exponent):
         "title": f"Contact force of one spherical clearance joint: {law.name}.",
         **dict(zip(_UNITS, content.units, strict=True)),
         "clearance": f"{joint.clearance!r}",
+        "beyond": BEYOND,
+        "deepest": f"{content.deepest * content.unit_of_depth!r}",
     }
     if exponent is not None:
         kind, scale = "power", float(law.parts(joint.r2_star).scale)
@@ -286,9 +293,9 @@ def _function(content, form, name, exponent):
             "count": len(rows),
             "last": len(rows) - 2,
             "steps": f"{steps!r}",
-            "deepest": f"{content.deepest * content.unit_of_depth!r}",
         }
-    suffix, about = {"c": "c", "matlab": "m", "modelica": "mo"}.get(form, form), content.in_words()
+        about.append(f"{BEYOND}.")
+    suffix = {"c": "c", "matlab": "m", "modelica": "mo"}.get(form, form)
     if form == "modelica":
         values["function"] = Template(_template(f"{kind}.mo")).substitute(values).rstrip()
         kind = "joint"
@@ -330,10 +337,40 @@ def _template(file):
     return Path(__file__).with_name(file).read_text(encoding="utf-8")
 
 
+def _spline(content, name):
+    """A spline of Adams, and a force between two markers that interpolates it by Akima's method."""
+    joint = content.joint
+    first = min(content.least / 2, content.deepest / 400)
+    depth = np.append(0, np.geomspace(first, content.deepest, POINTS - 1))
+    force = np.append(0, content.at(depth[1:])[0])
+    places = np.geomspace(content.least, content.deepest, ROWS)
+    interpolated = scipy.interpolate.Akima1DInterpolator(depth, force)(places)
+    error = np.abs(interpolated / content.at(places)[0] - 1).max()
+    about = [
+        *content.in_words(),
+        f"Between the points, Akima's interpolation adds an error of up to {percent(error)} at "
+        "these depths, as computed with SciPy. Adams was not run.",
+        f"{BEYOND}.",
+    ]
+    rows = {"x": joint.clearance / MILLI * depth, "y": force}
+    values = {
+        "title": f"Contact force of one spherical clearance joint: {content.law.name}.",
+        "prefix": f"{name}_" if name else "",
+        "spline": f"{name or 'joint'}_spline",
+        "clearance_mm": f"{joint.clearance / MILLI:.9g}",
+    } | {
+        head: ", &\n        ".join(
+            ", ".join(f"{x:.9g}" for x in part) for part in row.reshape(-1, 5)
+        )
+        for head, row in rows.items()
+    }
+    return _filled("spline.adams", _COMMENTS["adams"], about, values)
+
+
 def _tendon(content, name):
     """Parallel spatial tendons of MuJoCo with cubics that are fitted to the elastic solution."""
     clearance, unit = content.joint.clearance, content.joint.force_unit
-    knots = content.deepest * np.array(TENDONS)
+    knots = content.deepest * np.append(0, (content.least / content.deepest) ** np.array(TENDONS))
     cubics, error = _cubics(content, knots)
     whole = sum(
         (np.polynomial.Polynomial([0, *c])(np.polynomial.Polynomial([-k, 1])))
@@ -352,7 +389,10 @@ def _tendon(content, name):
     beyond = "it increases with depth at every depth."
     if turn < np.inf:
         beyond = f"it falls from {clearance * turn:.3g} m on, where it must not be used."
-    outside = f"Outside: at {' and at '.join(outside)}; beyond the range {beyond}"
+    outside = (
+        f"Outside: at {' and at '.join(outside)}; beyond the range its error is unknown, and "
+        f"{beyond}"
+    )
     title = f"A spherical clearance joint{f' named {name}' if name else ''}."
     prefix = f"{name}_" if name else ""
     tendons = [
@@ -413,6 +453,7 @@ def _csv(content, name, count):
         *content.in_words(),
         f"Between rows, linear interpolation over depth adds an error of up to {percent(linear)}.",
         f"With a cubic spline (not-a-knot) this error is at most {percent(spline)}.",
+        "Programs continue a table beyond its last row in different ways, with an unknown error.",
         *(f"{head} in {unit}" for head, unit in zip(heads, content.units, strict=True)),
     ]
     columns = content.unit_of_depth * depth, force, stiffness

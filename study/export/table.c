@@ -1,10 +1,10 @@
 /* $title
  * $source
 $described
- * Beyond the range the force continues linearly, with the last stiffness.
  *
  * depth              penetration depth in $unit_of_depth; no force where it is negative
  * force, stiffness   results in $unit_of_force and $unit_of_stiffness
+ * returned value     1 if the depth is beyond the range, else 0
  */
 #include <math.h>
 
@@ -13,7 +13,7 @@ static const double ${name}_table[$count][2] = {
 $rows
 };
 
-void $name(double depth, double *force, double *stiffness)
+int $name(double depth, double *force, double *stiffness)
 {
     const double steps = $steps, deepest = $deepest;
     double inside, s, x, factor, slope, rise, c2, c3;
@@ -21,7 +21,7 @@ void $name(double depth, double *force, double *stiffness)
     int k;
 
     *force = *stiffness = 0;
-    if (depth <= 0) return;
+    if (depth <= 0) return 0;
     inside = depth < deepest ? depth : deepest;
     s = sqrt(inside);
     k = steps * s < $last ? (int)(steps * s) : $last;
@@ -34,4 +34,5 @@ void $name(double depth, double *force, double *stiffness)
     slope = row[1] + x * (2 * c2 + x * 3 * c3);
     *stiffness = 1.5 * s * factor + inside * slope / 2;
     *force = inside * s * factor + *stiffness * (depth - inside);
+    return depth > deepest;
 }

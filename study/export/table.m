@@ -2,7 +2,6 @@ function [force, stiffness] = $name(depth)
 % $title
 % $source
 $described
-% Beyond the range the force continues linearly, with the last stiffness.
 %
 % depth              penetration depths in $unit_of_depth, any shape; no force where they are negative
 % force, stiffness   in $unit_of_force and $unit_of_stiffness, in the shape of depth
@@ -16,6 +15,9 @@ $rows
     ];
     touching = ~(depth <= 0);
     d = reshape(depth(touching), [], 1);
+    if any(d > deepest)
+        warning('study:beyond', '$beyond.');
+    end
     inside = min(d, deepest);
     s = sqrt(inside);
     k = min(floor(steps * s), $last);

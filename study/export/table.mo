@@ -3,7 +3,7 @@ $rows
   } "Force over depth^1.5 and its derivative, at equal steps of sqrt(depth)";
 
   function contact_force
-    "Contact force and stiffness; beyond the range it continues linearly, with the last stiffness"
+    "Contact force and stiffness; beyond the range it continues linearly, with a warning"
     input Real depth(unit = "m");
     output Real force(unit = "N");
     output Real stiffness(unit = "N/m");
@@ -17,6 +17,8 @@ $rows
       stiffness := 0;
       return;
     end if;
+    assert(depth <= deepest, "$beyond.",
+      level = AssertionLevel.warning);
     inside := min(depth, deepest);
     s := sqrt(inside);
     k := integer(min(floor(steps * s), $last)) + 1;

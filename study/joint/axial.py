@@ -27,7 +27,6 @@ from study.joint.compliance import (
     RESOLUTION,
     Compliance,
     HatFunctions,
-    layer_steps,
     surface_angles,
 )
 from study.joint.description import JointDescription
@@ -186,10 +185,7 @@ def settings(
     else:
         from study.joint import meridian
 
-        steps = layer_steps(joint.socket_body.layers[0])
-        name = "outer radius of a layer divided by its inner radius"
-        checks.number(name, steps, least=meridian.THINNEST_RATIO)
-        least, most = (64 if steps.min() < 1.05 else 32), meridian.FINEST_RESOLUTION
+        most = meridian.FINEST_RESOLUTION
     resolution = RESOLUTION[solver] if resolution is None else resolution
     resolution = checks.whole("resolution", resolution, least=least, most=most)
     if resolution % 32:

@@ -158,7 +158,7 @@ class JointDescription:
     )
     opening: Opening = parameter(
         HEMISPHERE,
-        "Socket opening: polar angle of the rim from the pole in deg (30 to 170), or, for a ring "
+        "Socket opening: polar angle of the rim from the pole in deg (20 to 170), or, for a ring "
         "that is open on both sides, the polar angles of both rims (for example 55:125)",
         parse=read_opening,
         kind=Opening,

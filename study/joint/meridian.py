@@ -21,8 +21,6 @@ Nodes = Literal[6, 3]
 Floats = NDArray[np.float64]
 FINEST_RESOLUTION = 320
 """A curve takes 20 s and 2 GB at this resolution; at 1.5 times it takes 80 s and 5 GB."""
-THINNEST_RATIO = 1.02
-"""Minimum ratio of a socket's or layer's radii: thinner elements are too flat to be mapped."""
 RADIAL_ELEMENTS = 0.1
 """Rings in which the elements' size grows by the factor e, divided by the resolution."""
 _DEPTH_SCALE = 0.1  # element size grows from this depth below the surface on, in radii

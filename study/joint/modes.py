@@ -28,7 +28,9 @@ from skfem import (
     MeshTri,
     MeshTri2,
 )
+from skfem.mapping import MappingIsoparametric
 
+from study.checks import StudyError
 from study.compiled import one_thread
 from study.joint import meridian
 from study.joint.compliance import RESOLUTION, Ball, Compliance, Socket, surface_angles
@@ -41,6 +43,19 @@ _FELT = 9.0  # a mode that has decayed by exp(-9) changes the surface by exp(-18
 _CENTRE = 1e-9  # radius
 _AT_ONCE = 16  # loads that are solved together: what they need stays in the processor's cache
 _COMPONENTS = {"r": (0, 1), "z": (2,)}  # unknowns that a held component fixes: u_phi with u_r
+
+
+class _CurvedMapping(MappingIsoparametric):
+    """Curved triangles, whose places are found in flat ones too: skfem clips Newton's steps."""
+
+    def invF(self, x, tind=None, newton_max_iters=50, newton_tol=1e-9):  # noqa: N802
+        places = np.full(x.shape, 1 / 3)
+        for _ in range(newton_max_iters):
+            step = np.einsum("ijkl,jkl->ikl", self.invDF(places, tind), x - self.F(places, tind))
+            places = places + step
+            if np.abs(step).max() < newton_tol:
+                return places
+        raise StudyError("the elements are too flat; take a thicker layer or a finer resolution")
 
 
 class Body:
@@ -58,8 +73,10 @@ class Body:
         self._element = ElementVector(self._node, 3)
         self._basis = Basis(mesh, self._element, intorder=4 if quadratic else 2)
         facets = mesh.boundaries["surface"]
-        traction = FacetBasis(mesh, self._element, facets=facets, intorder=6)
-        hats = FacetBasis(mesh, ElementTriP1(), facets=facets, intorder=6)
+        self._mapping = _CurvedMapping(mesh, mesh.elem(), mesh.bndelem) if quadratic else None
+        on_surface = {"facets": facets, "intorder": 6}
+        traction = FacetBasis(mesh, self._element, self._mapping, **on_surface)
+        hats = FacetBasis(mesh, ElementTriP1(), self._mapping, **on_surface)
         vertices = np.unique(mesh.facets[:, facets])  # in order of polar angle
         self.angles = np.arctan2(*mesh.p[:, vertices])
         self.loads = -_pressure.assemble(hats, traction)[:, vertices]  # of each hat of pressure
@@ -143,7 +160,7 @@ class Body:
         edges = np.concatenate([mesh.boundaries[name] for name in sorted(on_surfaces)])
         centroid, middle = ((np.full((d, 1), 1 / (d + 1)), np.ones(1)) for d in (2, 1))
         inside = Basis(mesh, self._element, elements=near, quadrature=centroid)
-        on_edges = FacetBasis(mesh, self._element, facets=edges, quadrature=middle)
+        on_edges = FacetBasis(mesh, self._element, self._mapping, facets=edges, quadrature=middle)
         return [inside, on_edges], np.append(near, mesh.f2t[0, edges])
 
     @property

@@ -324,7 +324,7 @@ class Opening:
             )
         if self.is_ring:
             checks.number("first angle of opening of a ring", self.first, "deg", least=CLEAR)
-        checks.number("opening", self.last, "deg", least=30, most=170, scalar=True)
+        checks.number("opening", self.last, "deg", least=20, most=170, scalar=True)
 
     def __str__(self) -> str:
         return f"{self.first:.9g}:{self.last:.9g}" if self.is_ring else f"{self.last:.9g}"

@@ -129,6 +129,8 @@ def test_a_case_that_fails_is_a_row_with_its_reason(case, reason):
             'liner,depth [μm]\n"8mm,UHMWPE;1mm,PTFE",1\n',
             [{"liner": "8mm,UHMWPE;1mm,PTFE", "depth": "1μm"}],
         ),
+        ("wall [\u00b5m],force [lbf]\n6,7\n", [{"wall": "6\u00b5m", "force": "7lbf"}]),
+        ("wall [in]\n0.5\n", [{"wall": "0.5in"}]),
         ("\ufeffwall\theat [K]\n6mm\t293,1\n", [{"wall": "6mm", "heat [K]": "293,1"}]),
     ],
 )
@@ -142,7 +144,11 @@ def test_cells_of_a_file(tmp_path, text, cases):
     ("text", "message"),
     [
         ("wall [mm]\n6\n7mm\n", r"row 2: wall \[mm\] must be a number, got '7mm'"),
-        ("wall [furlong]\n6\n", "the unit of wall must be m with or without a prefix, got furlong"),
+        (
+            "wall [furlong]\n6\n",
+            "the unit of wall must be m with or without a prefix, or in, got f",
+        ),
+        ("wall [Mm]\n6\n", "the unit of wall must be m with or without a prefix, or in, got Mm"),
         ("opening [deg]\n80\n", "the unit of opening must be left out, got deg"),
         ("wall,wall [mm]\n6,6\n", "each column must have a different name"),
         ("wall,rim\n6\n", "row 1 of .* must have 2 cells, as its first line has, got 1"),

@@ -1,5 +1,6 @@
 """The laws beside curves of known laws, and what is fitted to them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from study.choose import fit_curve, fitted_forces
 from study.contact import LAWS, Winkler
 from study.contact.power_fit import fit_power
-from study.joint import Joint, reference_joint
+from study.joint import Joint, Material, reference_joint
 
 DRAWN = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 DEPTH = np.linspace(0.5e-6, 20e-6, 40)  # m
@@ -70,19 +71,52 @@ def test_known_parameters_are_found_within_three_standard_errors(law, fit):
 
 def test_degenerate_fits_are_left_out():
     table = by_law(DEPTH, FORCE, DRAWN, ["clearance", "modulus"])
-    assert "clearance, modulus cannot be identified together" in table.left_out["hertz"]
+    assert "clearance, modulus cannot be identified together" in table.warnings["hertz"]
     assert np.isnan(table.modulus["winkler"])  # its coefficient contains it
     far = by_law(DEPTH, FORCE / 20, DRAWN, ["clearance"])
-    assert "clearance is outside the search range, 1.33e-05" in far.left_out["stiffened_hertz"]
+    assert "clearance is outside the search range, 1.33e-05" in far.warnings["stiffened_hertz"]
 
 
 def test_a_curve_without_dimensions_and_what_a_law_is_not_for():
     joint, depth = reference_joint(), np.linspace(0.05, 1.0, 20)
     force = Winkler(1500.0)(depth, 200)
     assert by_law(depth, force, joint).coefficient["winkler"] == pytest.approx(1500)
-    left_out = by_law(2 * depth, force, replace(joint, ball_support="core:0.2")).left_out
-    assert "is not valid for ball_support core:0.2" in left_out["stiffened_hertz"]
-    assert left_out["hyperbolic_winkler"].startswith("depth_star of hyperbolic_winkler must be <=")
+    warnings = by_law(2 * depth, force, replace(joint, ball_support="core:0.2")).warnings
+    assert "is not valid for ball_support core:0.2" in warnings["stiffened_hertz"]
+    left_out = "hyperbolic_winkler is left out: depth_star of hyperbolic_winkler must be <="
+    assert warnings["hyperbolic_winkler"].startswith(left_out)
+
+
+@pytest.mark.parametrize(
+    ("length", "load", "words"), [(1e3, 1, "stiffer"), (1, 1e3, "softer"), (1, 1e-3, "stiffer")]
+)
+def test_a_wrong_unit_is_one_sentence_for_all_laws(length, load, words):
+    table = by_law(length * DEPTH, load * FORCE, DRAWN)
+    (sentence,) = {of for of in table.warnings.dropna() if "left out" not in of}
+    pattern = r"all laws without a fitted coefficient are at least ([\d,]+) times (\w+) than the "
+    times, told = re.match(pattern + "curve: check the units of depth and force", sentence).groups()
+    forces = fitted_forces(table.reset_index(), length * DEPTH, DRAWN)
+    far = [name for name, of in table.warnings.items() if of == sentence]
+    large = FORCE / FORCE.max() > 0.1
+    factors = [np.median((forces[name] / FORCE / load)[large]) for name in far]
+    least = min(factors) if words == "stiffer" else 1 / max(factors)
+    assert (told, {"hertz", "liu", "steuermann"} <= {*far}) == (words, True)
+    assert float(times.replace(",", "")) == pytest.approx(least, rel=0.05)
+    assert table.warnings[["power", "winkler"]].isna().all()
+
+
+def test_a_law_that_is_far_too_soft_has_a_warning():
+    thin = replace(DRAWN, wall=0.6e-3, socket=Material(3e9, 0.3))
+    table = by_law(DEPTH, thin.law().force(DEPTH), thin)
+    assert re.match(r"hertz is \d\d times softer than the curve: check", table.warnings["hertz"])
+    assert table.warnings[["tabulated", "power"]].isna().all()
+    assert "warnings" not in by_law(DEPTH, FORCE, DRAWN)
+
+
+def test_a_law_without_force_at_the_fitted_offset_has_a_warning():
+    table = by_law(1e3 * DEPTH, FORCE, DRAWN, ["offset"])
+    sentence = "all laws without a fitted coefficient are without force at most depths of the curve"
+    assert table.warnings["hertz"].startswith(sentence)
 
 
 BAD = {

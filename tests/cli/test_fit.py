@@ -29,7 +29,7 @@ def test_units_are_read_from_heads_or_cells(tmp_path, head, has_commas):
 
 BAD = {
     "s,force [N]\n1,2": "CURVE must have the columns depth and force, such as depth [um] and",
-    "depth [inch],force\n1,2": "the unit of depth must be m with or without a prefix, got inch",
+    "depth [inch],force\n1,2": "the unit of depth must be m with or without a prefix, or in, got i",
     "depth [um],depth [mm],force\n1,1,2": "each column must have a different name",
     "depth,force_star\n1,2": "got depth, force_star",
     "depth,force\n1,2\n2,": "force in row 2 must be a number in N",

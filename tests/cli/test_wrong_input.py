@@ -17,6 +17,13 @@ WRONG = [
     ("joint --r2star 9", "No such option '--r2star'. (Did you mean"),
     (f"joint {SIZES} --force -3kN", "force must be > 0 N, got -3000 N"),
     (f"joint {SIZES} --force 3kJ", "force must be a number in N, or with its unit, such as 3kN"),
+    (f"joint {SIZES} --force 3 kN", "write 3kN, or '3 kN' in quotes"),
+    (f"joint {SIZES} --force=3 lbf", "write 3lbf, or '3 lbf' in quotes"),
+    ("joint --socket-radius 12.5 Mm", "write 12.5Mm, or '12.5 Mm' in quotes"),
+    ("joint --socket-radius 12.5Mm --clearance 40um --wall 6mm", "Mm is a megametre, and mm or um"),
+    ("export power adams --socket-radius 12.5 mm --clearance 40um", "write 12.5mm, or '12.5 mm'"),
+    ("simulate --clearance 1e2 \u00b5m", "write 1e2\u00b5m, or '1e2 \u00b5m' in quotes"),
+    ("fit examples/fit_your_curve.csv --clearance 40 nN", "write 40nN, or '40 nN' in quotes"),
     (f"joint {SIZES} --force=", "force is empty; give a value, or leave it out"),
     (f"joint {SIZES} --force 1 --depth 1um", "got depth and force"),
     (f"joint {SIZES} --force 1 --resolution 50", "resolution must be a multiple of 32, got 50"),
@@ -70,6 +77,19 @@ def test_wrong_input_is_one_line_and_status_2(run, monkeypatch, words, message):
     status, out, err = run(*words.split())
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert message in err
+
+
+def test_a_file_may_have_the_name_of_a_unit(run, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mm").write_text("r2_star,depth_star\n50,0.1\n")
+    for words in ("--depth-star 0.1 mm", "--depth-star 0.1 mm --output N"):
+        status, _, err = run("joint", *words.split())
+        assert (status, "write" in err) == (0, False)
+
+
+def test_a_unit_may_be_separate_in_quotes(run):
+    words = ["joint", *SIZES.split()]
+    assert run(*words, "--force", "3 kN") == run(*words, "--force", "3kN")
 
 
 def test_an_unreachable_dask_scheduler_is_one_line(run, tmp_path):

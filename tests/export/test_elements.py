@@ -5,9 +5,11 @@ is read back.
 """
 
 import re
+import warnings
 
 import numpy as np
 import pytest
+from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
 from study import paths
@@ -133,6 +135,7 @@ def test_modelica(law):
     text = export(law, "modelica", BRONZE)
     assert not rumoca.validate_source(text)
     assert rumoca.validate_source(text.replace("algorithm", "algorithmus"))
+    assert ("AssertionLevel.warning" in text) == (law != "power")
     function = text.replace("within;", "")[: text.index("  model Joint") - len("within;")]
     error = TABLE_ERROR if law == "tabulated" else stated_error(text)
     for force in FORCES:
@@ -162,6 +165,70 @@ def test_adams():
         assert_depth(depth, force, stated_error(text))
 
 
+SPLINES = {
+    "axis": (BRONZE, "tabulated", None),
+    "thin wall": (Joint(10e-3, 1e-4, 0.3e-3, socket_support="rim"), "tabulated", None),
+    "plastic": (Joint(14e-3, 5e-5, 6e-3, socket="UHMWPE", ball_support="clamped"), "liu", None),
+    "shallow": (BRONZE, "tabulated", 0.02),
+    "ring": (
+        Joint(
+            *(14.53e-3, 30e-6, 2.97e-3),
+            socket="bearing steel",
+            opening="65.6:114.4",
+            ball_support="pin:10mm,16mm",
+        ),
+        "tabulated",
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SPLINES)
+def test_adams_spline(case):
+    """The function, read back, with SciPy's interpolation by Akima's method."""
+    joint, law, deepest = SPLINES[case]
+    text = export(law, "adams", joint, deepest, name="hip")
+    x, y = (
+        np.array(re.sub(r"[&\s]", "", of).split(","), float)
+        for of in re.search(r"\n    x = ([^=]*)&\n    y = (.*)", text, re.DOTALL).groups()
+    )
+    assert (len(x), x[0], y[0]) == (20, 0, 0)
+    distance = r"DM\(hip_ball, hip_socket\) - (\S+)"
+    function = rf"IF\({distance}: 0, 0, -AKISPL\({distance}, 0, hip_spline, 0\)\)"
+    ends = re.search(function, text).groups()
+    assert [float(end) for end in ends] == pytest.approx([1e3 * joint.clearance] * 2)
+    assert "data_element create spline &\n    spline_name = hip_spline &" in text
+    made = joint.law(law) if joint.default_tilt is None else joint.law()
+    first = float(re.search(r"depths >= \S+ clearances \((\S+) um\)", text)[1])
+    depth = np.geomspace(1e-6 * first, 0.9999e-3 * x[-1], 2000)
+    off = np.abs(Akima1DInterpolator(x, y)(1e3 * depth) / made.force(depth) - 1).max()
+    words = re.sub(r"\n! ", " ", text)
+    told = float(re.search(r"adds an error of up to (\S+) %", words)[1]) / 100
+    assert 0.8 * told < off < 1.05 * told < 0.005
+    assert "Adams was not run" in words
+
+
+def test_exudyn_warns_of_a_depth_beyond_the_table():
+    pytest.importorskip("exudyn")
+    module = {}
+    exec(export("tabulated", "exudyn", BRONZE, 0.5), module)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        module["contact_force"](0.5 * BRONZE.clearance)
+    with pytest.warns(UserWarning, match="its error is unknown"):
+        module["contact_force"](0.51 * BRONZE.clearance)
+
+
+@pytest.mark.slow
+def test_three_cubics_follow_rings():
+    """As precisely as the page about other programs and the changelog state."""
+    rod_end = Joint(
+        *(8.03e-3, 30e-6, 4e-3), socket="bronze", opening="55:125", ball_support="pin:4e-3,12e-3"
+    )
+    for joint, error in ((SPLINES["ring"][0], 0.0024), (rod_end, 0.00088)):
+        assert stated_error(export("tabulated", "mujoco", joint)) == pytest.approx(error)
+
+
 def test_the_page_about_other_programs_shows_what_is_written(run):
     page = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
     command, shown = re.findall(r"```(?:sh|text)\n(.*?)\n```", page)
@@ -170,4 +237,6 @@ def test_the_page_about_other_programs_shows_what_is_written(run):
     assert out.splitlines()[-1] == shown
     (error,) = re.findall(r"maximum relative error is ([\d.]+) %", page)
     assert float(error) == pytest.approx(100 * stated_error(out))
+    (error,) = re.findall(r"for the joint above ([\d.]+) % from 0.001 clearances on", page)
+    assert float(error) == pytest.approx(100 * stated_error(export("tabulated", "mujoco", BRONZE)))
     assert all(f"`{form}`" in page or f"`{form}`," in page for form in FORMATS)

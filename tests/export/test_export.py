@@ -20,6 +20,14 @@ from study.joint import Joint, Layer, Material
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 PLAIN, LESS = Joint.from_ratios(200), Joint.from_ratios(75, 1.4)
 BENDING = Joint(10e-3, 1e-4, 0.3e-3, socket_support="rim")
+RING = Joint(
+    14.53e-3,
+    30e-6,
+    2.97e-3,
+    socket="bearing steel",
+    opening="65.6:114.4",
+    ball_support="pin:10e-3,16e-3",
+)
 MINE = np.linspace(0.01, 1.4, 200) ** 2  # depths of a table of the user
 SUITED = {"adams": "power", "mujoco": "tabulated"}
 """Format -> a law that it has; others have all."""
@@ -45,13 +53,13 @@ def deepest_of(law, joint):
 
 
 def in_c(text, folder, name, depths):
-    """Forces and stiffnesses of a function in C, (2, n)."""
+    """Forces, stiffnesses and returned values of a function in C, (3, n)."""
     function = getattr(programs.compiled(text, folder), name)
     force, stiffness = ctypes.c_double(), ctypes.c_double()
     found = []
     for depth in depths:
-        function(ctypes.c_double(depth), ctypes.byref(force), ctypes.byref(stiffness))
-        found.append((force.value, stiffness.value))
+        end = function(ctypes.c_double(depth), ctypes.byref(force), ctypes.byref(stiffness))
+        found.append((force.value, stiffness.value, end))
     return np.transpose(found)
 
 
@@ -63,7 +71,7 @@ def test_law_in_c_is_the_law(tmp_path, law, joint):
         pytest.skip("the law is not for this joint")
     share = deepest_of(law, joint) * np.random.default_rng(1).uniform(0, 1, 1000)
     depths = units(joint)[0] * share
-    force, stiffness = in_c(export(law, "c", joint), tmp_path, f"{law}_law", depths)
+    force, stiffness, _ = in_c(export(law, "c", joint), tmp_path, f"{law}_law", depths)
     expected = in_python(law, joint, share)
     assert force == pytest.approx(expected[0], rel=1e-5 if law == "power" else 1e-6)
     # the slope of the elastic solution's own table has kinks
@@ -73,10 +81,11 @@ def test_law_in_c_is_the_law(tmp_path, law, joint):
 @needs_compiler
 @pytest.mark.parametrize("law", ["hertz", "tabulated"])
 def test_depths_outside_the_range(tmp_path, law):
-    """No force without contact; a table goes on linearly; NaN stays NaN."""
+    """No force without contact; a table goes on linearly, and says so; NaN stays NaN."""
     deepest = BRONZE.clearance
     depths = np.array([-1e-6, 0.0, deepest, 1.5 * deepest, 2 * deepest, np.nan])
-    force, stiffness = in_c(export(law, "c", BRONZE), tmp_path, f"{law}_law", depths)
+    force, stiffness, is_beyond = in_c(export(law, "c", BRONZE), tmp_path, f"{law}_law", depths)
+    assert is_beyond.tolist() == [0, 0, 0, 1, 1, 0]
     assert not force[:2].any()
     assert not stiffness[:2].any()
     assert np.isnan(force[5])
@@ -94,7 +103,7 @@ def test_two_joints_in_one_file_one_with_a_law_of_its_own_numbers(tmp_path):
     share = np.random.default_rng(2).uniform(0.01, 1, 200)
     for name, (law, joint) in laws.items():
         (tmp_path / name).mkdir()
-        force, _ = in_c(text, tmp_path / name, name, units(joint)[0] * share)
+        force, *_ = in_c(text, tmp_path / name, name, units(joint)[0] * share)
         assert force == pytest.approx(in_python(law, joint, share)[0], rel=1e-6)
 
 
@@ -120,6 +129,16 @@ def test_every_law_in_octave_is_the_law(tmp_path):
         ):
             found = [float(next(told)) for _ in range(8)]
             assert found == pytest.approx(values.T.ravel().tolist(), rel=error)
+
+
+@needs_octave
+def test_octave_warns_of_a_depth_beyond_the_table(tmp_path):
+    (tmp_path / "hip.m").write_text(export("tabulated", "matlab", BRONZE, 0.3, name="hip"))
+    lines = ["warning('error', 'study:beyond')"]
+    for depths in ("[-1, 0, 0.299]", "[0.1, 0.301]"):
+        call = f"hip(4e-5 * {depths})"
+        lines += [f"try, {call}; disp('inside'), catch error, disp(error.identifier), end"]
+    assert programs.in_octave(lines, tmp_path).split() == ["inside", "study:beyond"]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -184,8 +203,9 @@ def test_a_text_has_joint_name_range_error_and_units(form):
         assert word in words
     assert "0 to 0.5 clearances (20 um)" in words
     assert "elastic solution" in words
+    assert ("error is unknown" in words or "unknown error" in words) == (form in ("csv", "mujoco"))
     if form in ("c", "matlab"):
-        assert re.search(r"^(void|function .* =) left_hip\(", text, re.MULTILINE)
+        assert re.search(r"^(int|function .* =) left_hip\(", text, re.MULTILINE)
     if form in DIMENSIONLESS:
         layers = Layer(1.125, Material(5e8, 0.46)), Layer(1.5, Material(2e11, 0.3))
         text = export("tabulated", form, Joint.from_ratios(80, layers=layers), 0.5)
@@ -236,10 +256,8 @@ def test_a_power_law_along_a_displacement_off_the_axis():
 
 @pytest.mark.slow
 def test_one_pair_of_numbers_for_a_rod_end_off_its_axis():
-    rings = {"opening": "65.6:114.4", "ball_support": "pin:10e-3,16e-3"}
-    rod_end = Joint(14.53e-3, 30e-6, 2.97e-3, socket="bearing steel", **rings)
-    fit = rod_end.power_law((0.5e-6, 8e-6))
-    text = export("power", "c", rod_end, (0.5 / 30, 8 / 30))
+    fit = RING.power_law((0.5e-6, 8e-6))
+    text = export("power", "c", RING, (0.5 / 30, 8 / 30))
     assert k_and_n(text) == pytest.approx(fit[:2], rel=1e-8)
 
 
@@ -252,7 +270,7 @@ def test_two_joints_for_exudyn_share_no_name(law):
         exec(export(law, "exudyn", BRONZE, name=name), module)
         names.append({of for of, x in module.items() if getattr(x, "__module__", "") != "math"})
     shared = names[0] & names[1]
-    assert shared <= {"__builtins__", "exudyn", "item"}
+    assert shared <= {"__builtins__", "exudyn", "item", "warnings"}
 
 
 @pytest.mark.parametrize(
@@ -291,7 +309,6 @@ def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path):
         (("power", "csv", PLAIN, (0.2, 0.1)), "minimum depth_star must be > 0 and < 0.1, got 0.2"),
         (("power", "csv", PLAIN, (0.1, 0.2, 0.3)), "depth_star must be one depth, or the minimum"),
         (("power", "adams", PLAIN), "format of a joint without dimensions must be one of c,"),
-        (("liu", "adams", BRONZE), "law must be a power k depth.n for the format adams, .* liu"),
         (("hertz", "mujoco", BRONZE), "law must be tabulated for the format mujoco, got 'hertz'"),
         (("hertz", "c", PLAIN, None, 20), "law must be tabulated or power off the axis, got 'h"),
         (("stiffened_hertz", "c", BRONZE, 1.5), "depth_star of stiffened_hertz must be <= 1, got"),
@@ -300,6 +317,15 @@ def test_a_function_of_matlab_has_the_name_of_its_file(run, tmp_path):
 def test_bad_input_is_one_clear_error(arguments, message):
     with pytest.raises(ValueError, match=message):
         export(*arguments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_table_off_the_axis_needs_depths_that_are_resolved(form):
+    for deepest, um in ((0.006, "0.18"), (0.05, "1.5")):
+        message = rf"depth_star must be > 0.05 clearances \(1.5 um\), .* \({um} um\)$"
+        with pytest.raises(ValueError, match=message):
+            export("tabulated", form, RING, deepest)
 
 
 @pytest.mark.slow

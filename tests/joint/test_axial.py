@@ -214,7 +214,7 @@ def test_contact_that_is_a_ring_is_found_by_pivoting(socket_support, depth, ring
 @settings(max_examples=40)
 @given(
     r2_star=st.floats(10, 1e4),
-    steps=st.lists(st.floats(1.02, 1.6), min_size=1, max_size=3),
+    steps=st.lists(st.floats(1.0001, 1.6), min_size=1, max_size=3),
     stiffer=st.lists(st.floats(1e-3, 1e3), min_size=3, max_size=3),
     poisson=st.tuples(*2 * [st.floats(-0.3, 0.48)]),
     support=st.sampled_from(["guided", "clamped"]),
@@ -248,6 +248,36 @@ def test_a_joint_inside_its_limits_is_solved_or_refused(ratio, r2_star, thicknes
         return
     assert (found.force_star > 0).all()
     assert np.isfinite(found.force_star).all()
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.49])
+@pytest.mark.parametrize("ratio", [1.01, 1.001, 1.0001])
+def test_finite_elements_of_a_thin_layer_agree_with_the_series(ratio, poisson):
+    layers = Layer(ratio, Material(1e9, poisson)), Layer(1.3, Material(2e11, 0.3))
+    joint = Joint.from_ratios(200, layers=layers)
+    exact, found = (
+        joint.solve(depth_star=0.3, solver=solver, resolution=64)
+        for solver in ("series", "quadratic")
+    )
+    fine = joint.solve(depth_star=0.3)
+    for solved in (exact, found):
+        assert solved.force_star == pytest.approx(fine.force_star, rel=1e-4)
+        off = np.abs(solved.peak_pressure_star / fine.peak_pressure_star - 1)
+        assert off < 2 * solved.peak_error
+
+
+@pytest.mark.parametrize("ball_support", ["core:0.5", "neck:30"])
+@pytest.mark.parametrize(
+    ("tilt", "depth", "resolutions"), [(None, 0.02, (96, 160)), (3.0, 0.06, (48, 96))]
+)
+def test_a_bridge_bearing_with_a_narrow_opening(ball_support, tilt, depth, resolutions):
+    joint = Joint.from_ratios(2000, 1.1, opening=20, ball_support=ball_support)
+    coarse, fine = (joint.solve(depth_star=depth, tilt=tilt, resolution=n) for n in resolutions)
+    assert fine.contact_half_angle_deg < 20
+    change = np.abs(coarse.force_star / fine.force_star - 1)
+    assert change < min(2 * coarse.error_estimate, 0.01)
+    with pytest.raises(RangeError, match="opening must be >= 20 and <= 170 deg, got 19 deg"):
+        Joint.from_ratios(2000, 1.1, opening=19, ball_support=ball_support)
 
 
 @pytest.mark.parametrize("supports", [{}, {"ball_support": "clamped"}])

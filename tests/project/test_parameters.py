@@ -135,6 +135,40 @@ def test_a_wrong_text_is_one_error(name, text, message):
 
 
 @pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("12.5 mm", "m", 12.5e-3),
+        ("40\u00b5m", "m", 40e-6),
+        ("40\u03bcm", "m", 40e-6),
+        ("1in", "m", 0.0254),
+        ("3kN", "N", 3000.0),
+        ("2 lbf", "N", 8.896443230521),
+        ("1psi", "Pa", 6894.757293168361),
+        ("30e3ksi", "Pa", 2.0684271879505083e11),
+        ("2kg", "kg", 2.0),
+        ("5g", "kg", 0.005),
+    ],
+)
+def test_a_number_with_its_unit_is_exactly_that_of_the_si_unit(text, unit, value):
+    assert checks.read("name", text, unit=unit) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [
+        ("12.5Mm", "m", ", got '12.5Mm'; Mm is a megametre, and mm or um was probably meant"),
+        ("2km", "m", ", got '2km'; km is a kilometre, and mm or um was probably meant"),
+        ("2in", "N", "such as 3kN, got '2in'"),
+        ("2kpsi", "Pa", "such as 110GPa, got '2kpsi'"),
+        ("2MIN", "m", "such as 5mm, got '2MIN'"),
+    ],
+)
+def test_a_wrong_unit_is_one_error(text, unit, message):
+    with pytest.raises(ValueError, match=f"^name must be a number in {unit}, .*{message}$"):
+        checks.read("name", text, unit=unit)
+
+
+@pytest.mark.parametrize(
     ("error", "text"),
     [(0.01044, "1.1 %"), (0.01, "1 %"), (0.0996, "10 %"), (0.000131, "0.014 %"), (0, "0 %")],
 )
