@@ -176,14 +176,15 @@ class _Content:
             self.law = Power.fit(joint, places, self.exact(places))
         elif kind is not Table:
             self.law = find(law, joint)
-        first = float(curve.depth_star[0])
-        if deepest <= first * (1 + 1e-9):
+        self.first = first = float(curve.depth_star[0])
+        if not fitted and deepest <= first * (1 + 1e-9):
             wanted = f"> {self._depth(first)}, because the elements resolve no shallower contact"
             got = self._depth(deepest)
             raise checks.RangeError(f"maximum depth_star must be {wanted}, got {got}")
-        self.least = min(max(least, first), deepest)
-        depths = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
-        self.error = float(np.abs(self.law(depths, joint.r2_star) / self.exact(depths) - 1).max())
+        self.least = least if fitted else min(max(least, first), deepest)
+        if not fitted:  # else the error is that of `Joint.power_law`, at the same depths
+            places = np.linspace(np.sqrt(self.least), np.sqrt(deepest), ROWS) ** 2
+        self.error = float(np.abs(self.law(places, joint.r2_star) / self.exact(places) - 1).max())
         inside = (curve.depth_star >= self.least) & (curve.depth_star <= max(1.05 * deepest, first))
         self.error_of_joint = float(curve.force_error[inside].max()) + self.exact.error
         self.load = "a load along the axis"
@@ -207,6 +208,8 @@ class _Content:
         if error is None and self.law is not self.exact:
             error = self.error
         text = f"that of the elastic solution, about {percent(self.error_of_joint)}."
+        if self.least < self.first:
+            text += f" Below {self._depth(self.first)} the elastic solution is extrapolated."
         if error is not None:
             text = f"at most {percent(error)} relative to the elastic solution, plus {text}"
         joint = self.joint

@@ -93,8 +93,7 @@ class Joint(JointDescription):
             otherwise="200",
         ),
         socket_ratio=Parameter(
-            "Outer radius of the socket divided by its inner radius; at least 1.02 for finite "
-            "elements",
+            "Outer radius of the socket divided by its inner radius",
             limits={"least": THINNEST_RATIO, "most": THICKEST_RATIO},
             otherwise="1.298",
         ),

@@ -220,8 +220,8 @@ def exceeded_limits(
     """Model limits that the deepest contact exceeds: a key for each, and a sentence.
 
     The key ``energy`` is for an energy balance that shows an unstable contact, whose force may be
-    wrong. Yield is checked if a material has a yield stress, for half a ball on a guided plate and a
-    socket with the given ratio of its radii that is held at its whole outside.
+    wrong. Yield is checked if a material has a yield stress, for half a ball on a guided plate and
+    a socket with the given ratio of its radii that is held at its whole outside.
     """
     from study.joint import Joint, limits, yielding  # a simulation needs no solver
 

@@ -222,10 +222,10 @@ def test_exudyn_warns_of_a_depth_beyond_the_table():
 @pytest.mark.slow
 def test_three_cubics_follow_rings():
     """As precisely as the page about other programs and the changelog state."""
-    rod_end = Joint(
+    wide = Joint(
         *(8.03e-3, 30e-6, 4e-3), socket="bronze", opening="55:125", ball_support="pin:4e-3,12e-3"
     )
-    for joint, error in ((SPLINES["ring"][0], 0.0024), (rod_end, 0.00088)):
+    for joint, error in ((Joint.of(bearing="GE 20 E"), 0.0024), (wide, 0.00088)):
         assert stated_error(export("tabulated", "mujoco", joint)) == pytest.approx(error)
 
 

@@ -19,7 +19,7 @@ from study.parameters import described
 EXAMPLES = paths.ROOT / "examples"
 EXPECTED = {
     "curve_of_a_joint": (r"^ *3\.892 +(\S+)", 2608, 1),
-    "rod_end": (r"peak (\S+) MPa", 159.9, 5e-3),
+    "bearing": (r"specific load (\S+) MPa", 86.2, 0.05),
     "fit_your_curve": (r"^clearance: (\S+) um", 43.88, 0.02),
     "liner": (r"has (\S+) of the stiffness", 0.351, 0.001),
     "pendulum": (r"largest force: (\S+) N", 301.6, 0.1),
