@@ -207,7 +207,7 @@ class _Content:
         """Lines on joint, range and error; a given ``error`` is that of a fit to the table."""
         if error is None and self.law is not self.exact:
             error = self.error
-        text = f"that of the elastic solution, about {percent(self.error_of_joint)}."
+        text = f"that of the elastic solution, at most {percent(self.error_of_joint)} here."
         if self.least < self.first:
             text += f" Below {self._depth(self.first)} the elastic solution is extrapolated."
         if error is not None:

@@ -174,7 +174,7 @@ def settings(
     if solver is None:
         solver = "series" if joint.series_applies else "quadratic"
     checks.choice("solver", solver, SOLVERS)
-    least, most = 32, FINEST_RESOLUTION
+    most = FINEST_RESOLUTION
     if solver == "series":
         if not joint.series_applies:
             raise ValueError(
@@ -187,7 +187,7 @@ def settings(
 
         most = meridian.FINEST_RESOLUTION
     resolution = RESOLUTION[solver] if resolution is None else resolution
-    resolution = checks.whole("resolution", resolution, least=least, most=most)
+    resolution = checks.whole("resolution", resolution, least=32, most=most)
     if resolution % 32:
         raise ValueError(f"resolution must be a multiple of 32, got {resolution}")
     return solver, resolution

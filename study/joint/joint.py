@@ -48,8 +48,8 @@ class Joint(JointDescription):
 
     `solve` gives the elastic solution at given depths or under given forces, `curve` the
     force-depth curve, `law` a contact law, and `power_law` the constants of F = k d^n.
-    `of` makes a joint from texts or from the words of a bearing catalogue, and `from_ratios` one
-    without dimensions from ratios.
+    `of` makes a joint from texts or from the dimensions of a bearing catalogue, and `from_ratios`
+    one without dimensions from ratios.
 
     Parameters
     ----------
@@ -194,15 +194,14 @@ class Joint(JointDescription):
 
     @classmethod
     def of(cls, **values: Any) -> Joint:
-        """Joint of the values that commands read, which include the words of bearing catalogues.
+        """Joint of the values that commands read, which include the dimensions of catalogues.
 
         Parameters
         ----------
         **values
-            Arguments of `Joint` or `from_ratios`, as numbers in SI units, or as texts such as
-            "29mm". Instead of them: ``ball_diameter``, ``play`` (twice the clearance),
-            ``outer_diameter``, ``outer_width`` of a ring, and ``bore`` and ``inner_width`` of a
-            ball on a pin; or ``bearing`` for all of these.
+            Options of ``study joint`` that describe a joint, with underscores in their names, as
+            numbers in SI units or as texts such as "29mm": arguments of `Joint` or `from_ratios`,
+            or the dimensions of a catalogue (`study.joint.bearings.FROM_CATALOGUE`).
 
         Raises
         ------
@@ -430,6 +429,7 @@ class Joint(JointDescription):
         The ends have 4 digits. The latter is not beyond the default maximum depth of the joint,
         unless a given depth is.
         """
+        depth = checks.number("depth", depth, "m", above=0)
         last = np.max(depth)
         high = max(last, min(_AROUND * last, self.default_depth * self.clearance))
         return float(f"{np.min(depth) / _AROUND:.4g}"), float(f"{high:.4g}")

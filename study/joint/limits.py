@@ -81,8 +81,9 @@ def limits(
         )
         if peak_at_rim:
             found["rim"] += (
-                " Because the model's edge is sharp, the pressure there grows with the resolution; "
-                "peak_pressure is therefore the pressure at the middle of the contact."
+                " Here it is largest at the edge and grows with the resolution. Therefore "
+                "peak_pressure is the pressure at the middle of the contact, and the von Mises "
+                "stresses leave out what is nearer to an edge than a tenth of the radius."
             )
     elif to_rim is not None and to_rim < NEAR_RIM:
         found["rim"] = (
@@ -97,7 +98,7 @@ def limits(
         )
     if depth is not None and depth < SMOOTH * ROUGHNESS:
         found["roughness"] = (
-            f"The penetration depth of {depth:.2g} m is less than {SMOOTH:g} times a typical "
+            f"The penetration depth of {depth:.3g} m is less than {SMOOTH:g} times a typical "
             f"roughness of {ROUGHNESS:g} m. Rough surfaces are softer than the solution."
         )
     return found

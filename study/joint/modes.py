@@ -30,7 +30,7 @@ from skfem import (
 )
 from skfem.mapping import MappingIsoparametric
 
-from study.checks import StudyError
+from study.checks import RangeError
 from study.compiled import one_thread
 from study.joint import meridian
 from study.joint.compliance import RESOLUTION, Ball, Compliance, Socket, surface_angles
@@ -55,7 +55,7 @@ class _CurvedMapping(MappingIsoparametric):
             places = places + step
             if np.abs(step).max() < newton_tol:
                 return places
-        raise StudyError("the elements are too flat; take a thicker layer or a finer resolution")
+        raise RangeError("elements of a layer are too flat: take a thicker layer or more elements")
 
 
 class Body:

@@ -91,10 +91,10 @@ class Solution:
         series and about 1 for elements of bodies that are held at a core, a neck or a seat, where
         stresses have no bound. A contact that is a ring, and three-node triangles, have the force
         of the finer mesh.
-    peak_pressure_star, peak_error
-        The maximum pressure and its numerical error. Where ``peak_at_rim``, it is the pressure at
-        the middle of the contact instead: a rim is a sharp edge in the model, and the pressure
-        there grows with the resolution.
+    peak_pressure_star, peak_error, peak_angle_deg
+        The maximum pressure, its numerical error and its place. Where ``peak_at_rim``, these are
+        of the middle of the contact instead: a rim is a sharp edge in the model, and between stiff
+        bodies the pressure there grows with the resolution.
     stiffness_star, transverse_stiffness_star
         Off the axis within about 1 % of differences of the force, and within 3 % in contacts of few
         elements, at depths of about 0.1 (``tests/joint/test_tilted.py``).
@@ -105,7 +105,8 @@ class Solution:
         times the integral of p R abs(w x n) dA (this study). For a small contact of the radius a it
         is 3 pi a/16, that of Hertz's pressure.
     reaches_rim, peak_at_rim
-        Whether a rim cuts the contact, and whether the pressure is largest there.
+        Whether a rim cuts the contact, and whether the pressure is largest there and grows with the
+        resolution.
     angle_deg, pressure_star
         Polar angles in deg, shape (n,), and the pressure there, shape (k, n). Along the axis it is
         the pressure on the ball for ``linear`` kinematics; off the axis, angles are signed and in
@@ -138,14 +139,12 @@ class Solution:
     )
     peak_pressure_star: Floats = stored(
         "Maximum of the normalised contact pressure, or its value at the middle of the contact if "
-        "the maximum is at a rim",
+        "it is unbounded at a rim",
         default=None,
     )
-    peak_error: Floats = stored(
-        "Estimated relative error of the maximum pressure", read="%", default=None
-    )
+    peak_error: Floats = stored("Estimated relative error of peak_pressure", read="%", default=None)
     peak_angle_deg: Floats | None = stored(
-        "Signed polar angle of the maximum pressure", "deg", default=None
+        "Signed polar angle of peak_pressure", "deg", default=None
     )
     contact_from_deg: Floats | None = stored(
         "Signed polar angle where the contact begins", "deg", default=None
@@ -190,7 +189,7 @@ class Solution:
         return self.joint.socket_radius**2 * self.contact_area_star
 
     @derived(
-        "Maximum contact pressure, or that at the middle of the contact if the maximum is at a rim",
+        "Maximum contact pressure, or that at the middle of the contact if unbounded at a rim",
         "Pa",
         "MPa",
     )
@@ -270,7 +269,9 @@ class Solution:
         They are those of `quantities` that this contact has, the stresses of each body, and the
         model limits that are exceeded.
         """
-        every = {name: getattr(self, name) for name in quantities(self.joint.has_dimensions)}
+        renamed = {"tilt": "displacement_tilt"}  # because a load has a tilt too
+        names = quantities(self.joint.has_dimensions)
+        every = {renamed.get(name, name): getattr(self, name) for name in names}
         for body, stress in (self.von_mises if self.stress else {}).items():
             name = body.replace(" ", "_")
             every |= {f"von_mises_{name}": stress, f"yield_factor_{name}": self.yield_factor[body]}
@@ -299,7 +300,8 @@ class Solution:
             if values is not None and name.removesuffix("_star") in _SHOWN:
                 texts = [f"{value / of.scale:.4g}" for value in values]
                 texts[_FEW:-1] = ["..."] * (len(texts) > _FEW + 1)
-                lines.append("  ".join([f"{name} {of.read}".ljust(27), *texts]))
+                head = f"{name.removesuffix('_deg')} {of.read}".ljust(23)
+                lines.append("  ".join([head, *texts]))
         exceeded = dict.fromkeys(name for of in self.limits for name in of)
         lines.append(f"model limits that are exceeded: {', '.join(exceeded) or 'none'}")
         return "\n".join(lines)

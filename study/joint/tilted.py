@@ -52,7 +52,7 @@ _NEARLY = 1e-3  # the same on the coarser grid
 _DEEPEST = 1.0  # depth_star of the largest first guess, and at which ball's nodes face the rim
 _NEAR = 0.15  # of the depth: change of the displacement from which the stiffness follows
 _FORCE_OF_PRESSURES = 0.15  # share of the pressures' mean difference above errors of the force
-_GROWTH_AT_EDGE = np.sqrt(2)  # of the pressure at a rigid punch's edge, on elements of half size
+_GROWTH = 1.03  # of the pressure at a rim, on elements of half the size, that has no bound
 _BEYOND = 8.0  # minimum deg by which the ball's nodes go on beyond the rim
 _LEAST_SHARE = 0.3  # of the deepest overlap: shallower ones are at first left out of the contact
 _FEWEST = 12  # nodes of a contact of half the resolution
@@ -192,10 +192,9 @@ def _solution(joint, resolution, found):
     force = np.array([_extrapolated(f.force, c.force) for f, c in solved])
     cut = np.array([f.reaches_rim for f in fine])
     low, high = np.array([f.edges for f in fine]).T
-    # the pressure at a rim that cuts the contact grows with the resolution
-    at_rim = np.array([f.at_rim * _GROWTH_AT_EDGE > f.peak for f in fine])
-    peak, peak_error = np.array([_peak(*s, of) for s, of in zip(solved, at_rim, strict=True)]).T
     error = np.array([_force_error(*s, f) for s, f in zip(solved, force, strict=True)])
+    peaks = [_peak(*s, of) for s, of in zip(solved, error, strict=True)]
+    peak, peak_error, peak_angle, at_rim = (np.array(of) for of in zip(*peaks, strict=True))
     depths, tilts = np.array([at for at, _ in found]).T
     return Solution(
         joint=joint,
@@ -210,8 +209,8 @@ def _solution(joint, resolution, found):
         contact_half_angle_deg=(high - low) / 2,
         contact_area_star=np.array([f.area for f in fine]),
         peak_pressure_star=peak,
-        peak_error=np.where(at_rim, np.maximum(peak_error, error), peak_error),
-        peak_angle_deg=np.where(at_rim, (low + high) / 2, [f.peak_angle for f in fine]),
+        peak_error=peak_error,
+        peak_angle_deg=peak_angle,
         contact_from_deg=low,
         contact_to_deg=high,
         friction_radius_star=np.array([f.friction_radius for f in fine]),
@@ -236,30 +235,32 @@ def _force_error(fine, coarse, force):
     return max(correction, _FORCE_OF_PRESSURES * apart)
 
 
-def _peak(fine, coarse, is_at_rim):
-    """Peak pressure, or the pressure at the middle of the contact, and its estimated error.
+def _peak(fine, coarse, error_of_force):
+    """Peak pressure, its estimated error, its angle, and whether it has no bound at a rim.
 
-    The latter is at least the error of the force, because two grids may agree by chance.
-
-    An extrapolated peak may be off by 4/3 of the difference of two grids, and pressures that ripple
-    put the fitted maximum off by less than what the largest of them exceeds it.
+    In the latter case, the pressure at the middle of the contact is given. An extrapolated peak may
+    be off by 4/3 of the difference of two grids, and pressures that ripple put the fitted maximum
+    off by less than what the largest of them exceeds it.
     """
-    if is_at_rim:
-        return fine.middle, 4 / 3 * abs(fine.middle / coarse.middle - 1)
-    peak = fine.peak if fine.reaches_rim else _extrapolated(fine.peak, coarse.peak)
-    highest = fine.at_rim * _GROWTH_AT_EDGE if fine.reaches_rim else fine.highest
-    return peak, max(4 / 3 * abs(fine.peak - coarse.peak), highest - peak) / peak
+    if fine.at_rim < fine.peak:
+        peak = fine.peak if fine.reaches_rim else _extrapolated(fine.peak, coarse.peak)
+        error = max(4 / 3 * abs(fine.peak - coarse.peak), fine.highest - peak) / peak
+        return peak, error, fine.peak_angle, False
+    grows = fine.at_rim > _GROWTH * coarse.at_rim
+    name = "middle" if grows else "at_rim"
+    peak, of_coarse = getattr(fine, name), getattr(coarse, name)
+    error = max(4 / 3 * abs(peak - of_coarse) / peak, error_of_force)  # grids may agree by chance
+    return peak, error, fine.middle_angle if grows else fine.rim_angle, grows
 
 
 @dataclass(frozen=True)
 class GridContact:
     """Contact on one grid: force and stiffness along and across, the rest as in `Solution`.
 
-    ``middle`` is the pressure at the middle of the contact, ``highest`` the largest of a node, and
-    ``at_rim`` that of a node at a rim, or 0 if no rim cuts the contact. ``pressure`` is that on the
-    socket, and ``of_ball`` that on the ball, at the nodes of their grids. ``profile`` is the
-    pressure at signed polar angles in the plane of symmetry, in
-    deg.
+    ``middle`` is the pressure at the middle of the contact, ``at_rim`` the largest of a node at a
+    rim, or 0 if no rim cuts the contact, and ``highest`` that of the other nodes. ``pressure`` is
+    that on the socket, and ``of_ball`` that on the ball, at the nodes of their grids. ``profile``
+    is the pressure at signed polar angles in deg in the plane of symmetry.
     """
 
     force: Floats
@@ -268,8 +269,10 @@ class GridContact:
     peak: float
     peak_angle: float
     middle: float
-    highest: float
+    middle_angle: float
     at_rim: float
+    rim_angle: float
+    highest: float
     edges: tuple[float, float]
     reaches_rim: bool
     friction_radius: float
@@ -434,9 +437,11 @@ class Contacts:
         on_area = pressure * gap.size[nodes] / (weighted @ gap.acted_on)
         in_plane, plane = grid.ends[nodes] < 1, np.flatnonzero(grid.ends < 1)
         edges = _edges(self.signed_angle[nodes[in_plane]], pressure[in_plane], grid)
-        peak, peak_angle, middle = self._peak(nodes, on_area, gap.mass, np.radians(sum(edges) / 2))
+        middle_angle = tilt if is_symmetric else sum(edges) / 2
+        peak, peak_angle, middle = self._peak(nodes, on_area, gap.mass, np.radians(middle_angle))
         if is_symmetric and abs(peak_angle - tilt) < np.degrees(grid.step):
             peak_angle = tilt  # without the rounding of the parabola's coefficients
+        rim = np.where(at_rim, on_area, 0.0)
         plane = plane[np.argsort(self.signed_angle[plane], kind="stable")]
         return GridContact(
             force=2 * joint.r2_star * force,
@@ -445,8 +450,10 @@ class Contacts:
             peak=peak,
             peak_angle=peak_angle,
             middle=middle,
-            highest=on_area.max(),
-            at_rim=on_area[at_rim].max(initial=0.0),
+            middle_angle=middle_angle,
+            at_rim=rim.max(),
+            rim_angle=self.signed_angle[nodes[rim.argmax()]],
+            highest=(on_area - rim).max(),
             edges=edges,
             reaches_rim=bool(at_rim.any()),
             friction_radius=self._friction(gap.normal, axes.T @ force, weighted, pressure),

@@ -216,7 +216,7 @@ def test_a_text_has_joint_name_range_error_and_units(form):
 def stated(text):
     """Errors of the law and of the elastic solution that a text states, relative."""
     words = re.sub(r"\n\W*", " ", text)
-    numbers = re.search(r"at most ([\d.e-]+) % .*, about ([\d.e-]+) %", words).groups()
+    numbers = re.search(r"at most ([\d.e-]+) % .*, at most ([\d.e-]+) % here", words).groups()
     return [float(number) / 100 for number in numbers]
 
 
