@@ -240,17 +240,21 @@ def _peak(fine, coarse, error_of_force):
 
     In the latter case, the pressure at the middle of the contact is given. An extrapolated peak may
     be off by 4/3 of the difference of two grids, and pressures that ripple put the fitted maximum
-    off by less than what the largest of them exceeds it.
+    off by less than what the largest of them exceeds it. Where a rim cuts the contact, the error is
+    at least that of the force, because pressures on two grids may agree by chance.
     """
-    if fine.at_rim < fine.peak:
-        peak = fine.peak if fine.reaches_rim else _extrapolated(fine.peak, coarse.peak)
+    if not fine.reaches_rim:
+        peak = _extrapolated(fine.peak, coarse.peak)
         error = max(4 / 3 * abs(fine.peak - coarse.peak), fine.highest - peak) / peak
         return peak, error, fine.peak_angle, False
-    grows = fine.at_rim > _GROWTH * coarse.at_rim
-    name = "middle" if grows else "at_rim"
+    grows = fine.at_rim >= fine.peak and fine.at_rim > _GROWTH * coarse.at_rim
+    name, angle = ("peak", "peak_angle") if fine.at_rim < fine.peak else ("at_rim", "rim_angle")
+    if grows:
+        name, angle = "middle", "middle_angle"
     peak, of_coarse = getattr(fine, name), getattr(coarse, name)
-    error = max(4 / 3 * abs(peak - of_coarse) / peak, error_of_force)  # grids may agree by chance
-    return peak, error, fine.middle_angle if grows else fine.rim_angle, grows
+    ripple = fine.highest / peak - 1 if name == "peak" else 0.0
+    error = max(4 / 3 * abs(peak - of_coarse) / peak, ripple, error_of_force)
+    return peak, error, getattr(fine, angle), grows
 
 
 @dataclass(frozen=True)

@@ -229,9 +229,9 @@ def test_the_force_errors_of_other_joints(run, options, percent):
 
 def test_the_power_law_of_bearings():
     *ends, below, above, free = claimed(
-        r"is within (\S+) to (\S+) % of the elastic solution at depths from half .*? and within "
+        r"is within (\S+) to (\S+) % of the elastic solution at depths from half .*? It is within "
         r"(\S+) to (\S+) % at depths .*? changes the depth under this load by -(\S+) to \+(\S+) %, "
-        r"and a housing that holds only the middle of the ring by \+(\S+) %"
+        r"and a housing that holds only the middle of the ring increases it by (\S+) %"
     )
     table = kept("bearings")
     for name, (low, high) in zip(("around", "wide"), (ends[:2], ends[2:]), strict=True):
