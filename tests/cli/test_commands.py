@@ -98,6 +98,7 @@ def test_a_bearing_has_the_same_k_and_n_in_every_command(run, output, table):
     k, n = re.search(r"k = (\S+), n = (\S+)", text).groups()
     assert float(k) == pytest.approx(row["power_coefficient"], rel=1e-6)
     assert float(n) == pytest.approx(row["power_exponent"], rel=1e-6)
+    assert f"k = {k}, n = {n}" in output("export", "power", "c", *words, "--force", "30kN")
     listed = table("data", "bearings").set_index("name").loc["GE 20 E"]
     assert listed[["bore", "normal_max"]].tolist() == [0.02, 82e-6]
 
