@@ -17,7 +17,7 @@ from study.contact import Hertz
 from study.contact.stiffening import DEGREES, LEAST_R2_STAR, PLACES, RANGES, SUPPORTS, UNIT
 from study.joint import Joint, Material
 from study.joint.axial import at_nodes
-from study.joint.supports import PLATES, RIMS
+from study.joint.supports import RIMS, ClampedPlate, GuidedPlate
 
 Logarithms = Sequence[NDArray[np.float64]]
 LIMITS = dict(zip(DEGREES, (9, 5, 6, 10, 1), strict=True))
@@ -43,7 +43,8 @@ def logarithms(socket_poisson: float, counts: dict[str, int]) -> NDArray[np.floa
     places = grid(counts)
     of_ball = places["ball_compliance_ratio"]
     places["ball_compliance_ratio"] = np.clip(of_ball, 2e-9, 1 - 2e-9)  # nearly rigid
-    axes: list[Any] = [*(places[name] for name in _ORDER[1:]), PLATES, RIMS]
+    plates = GuidedPlate(), ClampedPlate()
+    axes: list[Any] = [*(places[name] for name in _ORDER[1:]), plates, RIMS]
     solved: list[Any] = []
     for ratio, share, poisson, r2_star, support, rim in itertools.product(*axes):
         ball = Material((1 - poisson**2) / share, poisson)

@@ -134,8 +134,6 @@ def export(
         return _csv(content, name, points or ROWS + 1)
     if form == "mujoco":
         return _tendon(content, name)
-    if form == "adams" and exponent is None:
-        return _spline(content, name)
     return _function(content, form, name, exponent)
 
 
@@ -272,6 +270,7 @@ def _function(content, form, name, exponent):
         "title": f"Contact force of one spherical clearance joint: {law.name}.",
         **dict(zip(_UNITS, content.units, strict=True)),
         "clearance": f"{joint.clearance!r}",
+        "clearance_mm": f"{joint.clearance / MILLI:.9g}",
         "beyond": BEYOND,
         "deepest": f"{content.deepest * content.unit_of_depth!r}",
     }
@@ -282,10 +281,16 @@ def _function(content, form, name, exponent):
             "coefficient": f"{coefficient:.9g}",
             "exponent": f"{exponent:.9g}",
             "coefficient_mm": f"{coefficient * MILLI**exponent:.9g}",
-            "clearance_mm": f"{joint.clearance / MILLI:.9g}",
             "socket_radius": f"{joint.socket_radius!r}",
             "ball_radius": f"{joint.ball_radius!r}",
         }
+    elif form == "adams":
+        kind, ((values["x"], values["y"]), error) = "spline", _spline(content)
+        about += [
+            f"Between the points, Akima's interpolation adds an error of up to {percent(error)} at "
+            "these depths, as computed with SciPy. Adams was not run.",
+            f"{BEYOND}.",
+        ]
     else:
         kind, (steps, rows) = "table", table_of(content)
         brackets = _ROW[form]
@@ -340,34 +345,17 @@ def _template(file):
     return Path(__file__).with_name(file).read_text(encoding="utf-8")
 
 
-def _spline(content, name):
-    """A spline of Adams, and a force between two markers that interpolates it by Akima's method."""
-    joint = content.joint
+def _spline(content):
+    """Depths in mm and forces in N of a spline of Adams, and the error of Akima's interpolation."""
     first = min(content.least / 2, content.deepest / 400)
     depth = np.append(0, np.geomspace(first, content.deepest, POINTS - 1))
     force = np.append(0, content.at(depth[1:])[0])
     places = np.geomspace(content.least, content.deepest, ROWS)
     interpolated = scipy.interpolate.Akima1DInterpolator(depth, force)(places)
     error = np.abs(interpolated / content.at(places)[0] - 1).max()
-    about = [
-        *content.in_words(),
-        f"Between the points, Akima's interpolation adds an error of up to {percent(error)} at "
-        "these depths, as computed with SciPy. Adams was not run.",
-        f"{BEYOND}.",
-    ]
-    rows = {"x": joint.clearance / MILLI * depth, "y": force}
-    values = {
-        "title": f"Contact force of one spherical clearance joint: {content.law.name}.",
-        "prefix": f"{name}_" if name else "",
-        "spline": f"{name or 'joint'}_spline",
-        "clearance_mm": f"{joint.clearance / MILLI:.9g}",
-    } | {
-        head: ", &\n        ".join(
-            ", ".join(f"{x:.9g}" for x in part) for part in row.reshape(-1, 5)
-        )
-        for head, row in rows.items()
-    }
-    return _filled("spline.adams", _COMMENTS["adams"], about, values)
+    rows = (content.joint.clearance / MILLI * depth, force)
+    lines = ([", ".join(f"{x:.9g}" for x in part) for part in row.reshape(-1, 5)] for row in rows)
+    return [", &\n        ".join(of) for of in lines], error
 
 
 def _tendon(content, name):

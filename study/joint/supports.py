@@ -267,16 +267,7 @@ class Sector(SocketSupport):
         return self.first, self.last
 
 
-PLATES = GuidedPlate(), ClampedPlate()
-"""Supports of half a ball."""
-BALL_SUPPORTS: tuple[type[BallSupport], ...] = (
-    GuidedPlate,
-    ClampedPlate,
-    Core,
-    Neck,
-    Bore,
-    Pin,
-)
+BALL_SUPPORTS: tuple[type[BallSupport], ...] = GuidedPlate, ClampedPlate, Core, Neck, Bore, Pin
 SOCKET_SUPPORTS: tuple[type[SocketSupport], ...] = (WholeOutside, RimFace, Sector)
 
 

@@ -240,21 +240,21 @@ def _peak(fine, coarse, error_of_force):
 
     In the latter case, the pressure at the middle of the contact is given. An extrapolated peak may
     be off by 4/3 of the difference of two grids, and pressures that ripple put the fitted maximum
-    off by less than what the largest of them exceeds it. Where a rim cuts the contact, the error is
-    at least that of the force, because pressures on two grids may agree by chance.
+    off by less than what the largest of them exceeds it. The error is at least that of the force,
+    because pressures on two grids may agree by chance.
     """
-    if not fine.reaches_rim:
-        peak = _extrapolated(fine.peak, coarse.peak)
-        error = max(4 / 3 * abs(fine.peak - coarse.peak), fine.highest - peak) / peak
-        return peak, error, fine.peak_angle, False
-    grows = fine.at_rim >= fine.peak and fine.at_rim > _GROWTH * coarse.at_rim
-    name, angle = ("peak", "peak_angle") if fine.at_rim < fine.peak else ("at_rim", "rim_angle")
+    is_at_rim = fine.at_rim >= fine.peak
+    grows = is_at_rim and fine.at_rim > _GROWTH * coarse.at_rim
+    of, angle = ("at_rim", "rim_angle") if is_at_rim else ("peak", "peak_angle")
     if grows:
-        name, angle = "middle", "middle_angle"
-    peak, of_coarse = getattr(fine, name), getattr(coarse, name)
-    ripple = fine.highest / peak - 1 if name == "peak" else 0.0
-    error = max(4 / 3 * abs(peak - of_coarse) / peak, ripple, error_of_force)
-    return peak, error, getattr(fine, angle), grows
+        of, angle = "middle", "middle_angle"
+    peak, of_coarse = getattr(fine, of), getattr(coarse, of)
+    error = 4 / 3 * abs(peak - of_coarse)
+    if not fine.reaches_rim:
+        peak = _extrapolated(peak, of_coarse)
+    if not is_at_rim:
+        error = max(error, fine.highest - peak)
+    return peak, max(error / peak, error_of_force), getattr(fine, angle), grows
 
 
 @dataclass(frozen=True)
