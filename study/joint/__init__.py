@@ -12,8 +12,9 @@ of the surfaces, and `complementarity` determines which of them touch. The edge 
 between two nodes; the force therefore converges with order 2 by either solver. `axial` presses the
 ball along the axis, where contacts are `nested` in each other, and `tilted` in other directions.
 
-`bearings` has the dimensions of catalogues, `supports` the supports of ball and socket, `stress` the stresses inside the bodies, `yielding`
-first yield, and `limits` the model limits that a contact exceeds.
+`bearings` has the dimensions of catalogues, `supports` the supports of ball and socket, `stress`
+the stresses inside the bodies, `yielding` first yield, and `limits` the model limits that a contact
+exceeds.
 """
 
 from study.contact import Material, material

@@ -31,7 +31,7 @@ WRONG = [
     (f"joint {SIZES} --play 80um", "play and clearance must not both be given"),
     ("joint --bearing GE21E", "bearing must be GE SIZE E, where SIZE is one of 4, 5"),
     ("joint --bearing GE20E --r2-star 50", "r2_star and bearing must not both be given"),
-    ("joint --bearing GE20E --outer-diameter 29mm", "outer_diameter must be > 0.029061 m, the inner"),
+    ("joint --bearing GE20E --outer-diameter 29mm", "outer_diameter must be > 0.029061 m"),
     ("joint --bearing GE20E --bore 28mm", "radius of the pin must be <= 0.01137 m in a ball"),
     ("joint --bearing GE20E --play 50", "(twice socket_radius, or ball_diameter plus play)"),
     ("joint --bore 1cm --inner-width 1cm --ball-diameter 2cm --play 1mm --wall 5mm", "outer_width"),

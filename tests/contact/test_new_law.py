@@ -97,7 +97,7 @@ def test_a_law_with_two_fitted_constants_is_in_every_command(tmp_path):
     run = python(root, "-m", "study.cli", "simulate", "--law", "two_terms", "--duration", "0.003")
     assert run.splitlines()[1].startswith("1,")  # one contact
     text = python(root, "-m", "study.cli", "export", "two_terms", "c", "--r2-star", "200")
-    assert "void two_terms_law(double depth" in text
+    assert "int two_terms_law(double depth" in text
 
 
 def test_a_law_of_a_new_shape_is_compiled(tmp_path):

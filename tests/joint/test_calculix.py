@@ -72,7 +72,7 @@ def test_a_rod_end_whose_contact_is_cut_by_both_rims():
 
 @needs_calculix
 @pytest.mark.slow
-def test_at_a_rim_the_pressure_grows_with_the_resolution_and_at_the_middle_it_does_not():
+def test_pressures_of_calculix_grow_with_the_resolution_at_a_rim_only():
     joint = Joint.of(bearing="GE 20 E", socket="bearing steel")
     (force, middle, rim), finer = (
         calculix_ring.pressed(joint, 0.68, resolution=n, shells=n // 2) for n in (4, 6)
