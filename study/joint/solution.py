@@ -238,17 +238,17 @@ class Solution:
 
     @property
     def von_mises(self) -> dict[str, Floats]:
-        """Maximum von Mises stress in each body in Pa.
+        """Maximum von Mises stress in each body in Pa; none of a joint that has only ratios.
 
-        Raises ``ValueError`` if the joint was solved without stresses.
+        Raises ``ValueError`` if a joint with dimensions was solved without stresses.
         """
-        if self.stress is None:
+        if self.stress is None and self.joint.has_dimensions:
             raise ValueError(
                 "the solution must have stresses for von_mises and yield_factor; solve the joint "
                 "with stresses=True, as in joint.solve(force=3000, stresses=True)"
             )
         unit = self.joint.pressure_unit
-        return {body: unit * of.von_mises for body, of in self.stress.items()}
+        return {body: unit * of.von_mises for body, of in (self.stress or {}).items()}
 
     @property
     def yield_factor(self) -> dict[str, Floats | None]:
