@@ -227,6 +227,15 @@ def test_the_force_errors_of_other_joints(run, options, percent):
     assert checks.percent(row["force_error"]) == f"{percent:g} %"
 
 
+def test_the_name_and_the_dimensions_of_a_bearing_are_the_same_joint():
+    lines = re.findall(r"^study joint (--b.*) --force 30kN --power-law$", README, re.MULTILINE)
+    words = [shlex.split(line.replace("-", "_").replace("__", "")) for line in lines]
+    by_name, by_dimensions = (
+        study.Joint.of(**dict(zip(of[::2], of[1::2], strict=True))) for of in words
+    )
+    assert by_name == by_dimensions
+
+
 def test_the_power_law_of_bearings():
     *ends, below, above, free = claimed(
         r"is within (\S+) to (\S+) % of the elastic solution at depths from half .*? It is within "
