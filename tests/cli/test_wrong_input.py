@@ -29,6 +29,7 @@ WRONG = [
     (f"joint {SIZES} --force 1 --resolution 50", "resolution must be a multiple of 32, got 50"),
     (f"joint {SIZES} --outer-width 30mm --force 1", "outer_width must be < 0.025 m, got 0.03 m"),
     (f"joint {SIZES} --play 80um", "play and clearance must not both be given"),
+    ("joint --bearing GE20E --radial-clearance 60um", "of a catalogue as --play"),
     ("joint --bearing GE21E", "bearing must be GE SIZE E, where SIZE is one of 4, 5"),
     ("joint --bearing GE20E --r2-star 50", "r2_star and bearing must not both be given"),
     ("joint --bearing GE20E --outer-diameter 29mm", "outer_diameter must be > 0.029061 m"),
