@@ -39,9 +39,9 @@ def unit(column: str) -> str:
 
 
 def find(text: str, name: str = "bearing") -> dict[str, Any]:
-    """Row of `table` of a designation such as ``GE 20 E`` or ``GE 20 ES C3``, else ``ValueError``.
+    """Find the row of a designation such as ``GE 20 E`` or ``GE 20 ES C3``.
 
-    ``name`` is that of the parameter, for the message.
+    Raises ``ValueError`` if it is unknown; ``name`` is the name of the parameter in the message.
     """
     found = _NAME.fullmatch(_plain(text))
     row = next((of for of in table() if found and of["name"] == f"GE {found[1]} E"), None)

@@ -68,7 +68,7 @@ class Joint(JointDescription):
     kinematics : {"linear", "small"}, default "linear"
         Points of the surfaces that are paired: after the ball has moved, or at equal polar angles.
     opening : Opening, float or str, default 90
-        Polar angle of the rim in deg, 30 to 170; or those of both rims of a ring, "55:125".
+        Polar angle of the rim in deg, 20 to 170; or those of both rims of a ring, "55:125".
     socket_support : SocketSupport or str, default "outside"
         Where the socket is held: "outside", "rim", or "sector:0,30" (polar angles in deg).
 
@@ -194,7 +194,7 @@ class Joint(JointDescription):
 
     @classmethod
     def of(cls, **values: Any) -> Joint:
-        """Joint of the values that commands read, which include the dimensions of catalogues.
+        """Joint from the values of options, which include the dimensions of catalogues.
 
         Parameters
         ----------
@@ -426,8 +426,8 @@ class Joint(JointDescription):
     def depths_around(self, depth: ArrayLike) -> tuple[float, float]:
         """Range for a power law around depths in m: half the minimum to twice the maximum.
 
-        The ends have 4 digits. The latter is not beyond the default maximum depth of the joint,
-        unless a given depth is.
+        The ends have 4 digits. The upper end is limited to the default maximum depth of the joint,
+        or to the maximum of the given depths if this is larger.
         """
         depth = checks.number("depth", depth, "m", above=0)
         last = np.max(depth)

@@ -73,8 +73,8 @@ class Solution:
 
     Arrays have the shape (k,) unless stated otherwise. Normalised quantities end in ``_star``:
     depths are divided by the clearance dR, forces by E* dR^2, stiffnesses by E* dR, pressures by
-    E* dR/R2 and areas by R2^2. The same in SI units are properties without this ending. What only a
-    contact off the axis has is None along the axis. `quantities` has the meaning of each number.
+    E* dR/R2 and areas by R2^2. The same in SI units are properties without this ending. Quantities
+    of contacts off the axis are None along the axis. `quantities` has the meaning of each number.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ class Solution:
     )
     peak_pressure_star: Floats = stored(
         "Maximum of the normalised contact pressure, or its value at the middle of the contact if "
-        "it is unbounded at a rim",
+        "it grows with the resolution at a rim",
         default=None,
     )
     peak_error: Floats = stored("Estimated relative error of peak_pressure", read="%", default=None)
@@ -189,7 +189,7 @@ class Solution:
         return self.joint.socket_radius**2 * self.contact_area_star
 
     @derived(
-        "Maximum contact pressure, or that at the middle of the contact if unbounded at a rim",
+        "Maximum contact pressure, or that at the middle of the contact where peak_at_rim",
         "Pa",
         "MPa",
     )
