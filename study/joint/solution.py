@@ -34,6 +34,8 @@ _SHOWN = (
 )
 _FEW = 4  # values of a quantity that are shown, and the last one
 _NOT_STORED: Any = None  # of what is asked for, or that a solution read from a table lacks
+RENAMED = {"tilt": "displacement_tilt"}
+"""Column of a quantity with another name, because a load has a tilt too."""
 FORMULATION = 1.5
 """Error of small displacements, relative to the force and to the strain of the bodies, which is the
 penetration in each body over its thickness. CalculiX with large displacements gives 0.5 to 2 for 82
@@ -269,9 +271,8 @@ class Solution:
         They are those of `quantities` that this contact has, the stresses of each body, and the
         model limits that are exceeded.
         """
-        renamed = {"tilt": "displacement_tilt"}  # because a load has a tilt too
         names = quantities(self.joint.has_dimensions)
-        every = {renamed.get(name, name): getattr(self, name) for name in names}
+        every = {RENAMED.get(name, name): getattr(self, name) for name in names}
         for body, stress in (self.von_mises if self.stress else {}).items():
             name = body.replace(" ", "_")
             every |= {f"von_mises_{name}": stress, f"yield_factor_{name}": self.yield_factor[body]}

@@ -243,18 +243,19 @@ def _peak(fine, coarse, error_of_force):
     off by less than what the largest of them exceeds it. The error is at least that of the force,
     because pressures on two grids may agree by chance.
     """
+    peak, of_coarse, angle = fine.peak, coarse.peak, fine.peak_angle
     is_at_rim = fine.at_rim >= fine.peak
-    grows = is_at_rim and fine.at_rim > _GROWTH * coarse.at_rim
-    of, angle = ("at_rim", "rim_angle") if is_at_rim else ("peak", "peak_angle")
+    if is_at_rim:
+        peak, of_coarse, angle = fine.at_rim, coarse.at_rim, fine.rim_angle
+    grows = is_at_rim and peak > _GROWTH * of_coarse
     if grows:
-        of, angle = "middle", "middle_angle"
-    peak, of_coarse = getattr(fine, of), getattr(coarse, of)
+        peak, of_coarse, angle = fine.middle, coarse.middle, fine.middle_angle
     error = 4 / 3 * abs(peak - of_coarse)
     if not fine.reaches_rim:
         peak = _extrapolated(peak, of_coarse)
     if not is_at_rim:
         error = max(error, fine.highest - peak)
-    return peak, max(error / peak, error_of_force), getattr(fine, angle), grows
+    return peak, max(error / peak, error_of_force), angle, grows
 
 
 @dataclass(frozen=True)

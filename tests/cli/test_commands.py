@@ -11,6 +11,7 @@ import pytest
 
 from study import choose, dataset, paths
 from study.cases.joints import JOINTS
+from study.checks import percent
 from study.cli import COMMANDS, data, main
 from study.cli.options import for_reader
 from study.contact import materials
@@ -98,6 +99,12 @@ def test_a_bearing_has_the_same_k_and_n_in_every_command(run, output, table):
     k, n = re.search(r"k = (\S+), n = (\S+)", text).groups()
     assert float(k) == pytest.approx(row["power_coefficient"], rel=1e-6)
     assert float(n) == pytest.approx(row["power_exponent"], rel=1e-6)
+    low, high = (f"({1e6 * row[of]:.4g} um)" for of in ("power_from", "power_to"))
+    stated = " ".join(text.replace("\n * ", " ").split())
+    assert re.search(
+        rf"Range: penetration depths from 0 to \S+ clearances {re.escape(high)}", stated
+    )
+    assert f"{low}: at most {percent(row['power_error'])} relative to" in stated
     assert f"k = {k}, n = {n}" in output("export", "power", "c", *words, "--force", "30kN")
     listed = table("data", "bearings").set_index("name").loc["GE 20 E"]
     assert listed[["bore", "normal_max"]].tolist() == [0.02, 82e-6]
