@@ -430,6 +430,8 @@ class Joint(JointDescription):
         or to the maximum of the given depths if this is larger.
         """
         depth = checks.number("depth", depth, "m", above=0)
+        if np.size(depth) == 0:
+            raise ValueError("depth must have one value or more, got none")
         last = np.max(depth)
         high = max(last, min(_AROUND * last, self.default_depth * self.clearance))
         return float(f"{np.min(depth) / _AROUND:.4g}"), float(f"{high:.4g}")

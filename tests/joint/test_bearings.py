@@ -65,6 +65,15 @@ def test_specific_load_and_pressure_at_the_middle_of_a_ring():
     assert "rim" not in found.limits[0]
 
 
+def test_a_range_around_depths_needs_depths():
+    joint = Joint.of(bearing="GE20E")
+    assert joint.depths_around([3e-6, 5e-6]) == (1.5e-6, 1e-5)
+    assert joint.depths_around(20e-6) == (1e-5, 3.05e-5)  # one clearance
+    for depth, message in (([], "got none"), (-1e-6, "must be > 0 m"), (np.nan, "finite")):
+        with pytest.raises(ValueError, match=message):
+            joint.depths_around(depth)
+
+
 @pytest.mark.parametrize(
     ("tilt", "pressure", "angle"), [(60, 12.41e6, 63.6), (70, 15.44e6, 76.3), (80, 35.05e6, 90)]
 )
