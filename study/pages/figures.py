@@ -212,6 +212,27 @@ def as_saved(numbers: Any, digits: int = DIGITS) -> Any:
     return np.vectorize(rounded, otypes=[float])(numbers) if np.size(numbers) else numbers
 
 
+def rounded_up(value: float, digits: int = 2) -> str:
+    """Text of an upper bound above zero: rounded upwards to significant digits.
+
+    >>> rounded_up(1.044), rounded_up(56.2), rounded_up(1878, 3)
+    ('1.1', '57', '1880')
+    """
+    return _rounded(value, digits, np.ceil)
+
+
+def rounded_down(value: float, digits: int = 2) -> str:
+    """Text of a lower bound above zero: rounded downwards to significant digits."""
+    return _rounded(value, digits, np.floor)
+
+
+def _rounded(value, digits, how):
+    decimals = digits - 1 - int(np.floor(np.log10(value)))
+    # the last digits of a solved number differ from one processor to another
+    kept = how(round(value * 10.0**decimals, 6)) / 10.0**decimals
+    return f"{kept:.{max(decimals, 0)}f}"
+
+
 def save_table(table: pd.DataFrame, name: str) -> None:
     """Write a table to ``name.csv`` where `save` does; ``ValueError`` if a number is not finite."""
     numeric = table.select_dtypes("number")

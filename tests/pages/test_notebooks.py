@@ -80,11 +80,12 @@ def test_no_name_is_assigned_in_two_cells(notebook):
 
 
 @every_notebook
-def test_first_cell_asks_and_names_the_rendered_page(notebook):
-    first = nbformat.read(notebook.path, as_version=4).cells[0]
+def test_last_cell_names_the_results_and_the_rendered_page(notebook):
+    first, *_, last = nbformat.read(notebook.path, as_version=4).cells
     assert re.match(r"# [^<]*\n", first.source)  # every page of the report shows it
-    page = f"`build/report/notebooks/{notebook.name}.html`"
-    assert f"\nRendered with its results: {page}." in first.source
+    assert f"](../figures/README.md#{notebook.name})" in last.source
+    assert f"](../build/report/notebooks/{notebook.name}.html)" in last.source
+    assert "remove-cell" in last.metadata.tags  # the page itself does not show it
 
 
 def test_results_and_notebooks_select_notebooks():
