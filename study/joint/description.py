@@ -113,7 +113,7 @@ class JointDescription:
     """Sizes, materials and supports of a joint: see `study.joint.joint.Joint`."""
 
     socket_radius: float = parameter(..., "Inner radius of the socket", "m", above=0)
-    clearance: float = parameter(..., "Clearance: radius of the socket less that of the ball", "m")
+    clearance: float = parameter(..., "Radius of the socket less that of the ball", "m")
     wall: float = parameter(..., "Wall thickness of the socket, including its liners", "m")
     ball: Material = _of_material("bearing steel", "ball")
     socket: Material = _of_material("steel", "socket")
@@ -131,9 +131,9 @@ class JointDescription:
         "Ball support: how the ball is held and moved. Half a ball is moved along the axis at its "
         "equatorial plane by a plate on which it can slide (guided) or to which it is clamped "
         "(clamped). A whole ball is held by a rigid core, "
-        "for example of 0.2 times its radius (core:0.2), or by a rigid neck on its surface, for "
-        "example within 30 deg of the top (neck:30). A ball with a bore along its axis is held "
-        "by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the radius of the "
+        "for example core:0.2, which has 0.2 times the radius of the ball, or by a rigid neck on "
+        "its surface, for example neck:30, within 30 deg of the top. A ball with a bore along its "
+        "axis is held by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the radius of the "
         "ball between flat faces whose edges are at a polar angle of 45 deg. For a joint with "
         "dimensions, pin:6mm,16mm gives the radius of the pin and the width of the ball "
         "instead",
@@ -158,8 +158,8 @@ class JointDescription:
     )
     opening: Opening = parameter(
         HEMISPHERE,
-        "Socket opening: polar angle of the rim from the pole in deg (20 to 170), or, for a ring "
-        "that is open on both sides, the polar angles of both rims (for example 55:125)",
+        "Socket opening: polar angle of the rim from the pole in deg (20 to 170), for example 110, "
+        "or, for a ring that is open on both sides, the polar angles of both rims, as 55:125",
         parse=read_opening,
         kind=Opening,
     )
@@ -167,7 +167,7 @@ class JointDescription:
         WholeOutside(),
         "Socket support: where the socket is held rigidly. It is held at its whole outside "
         "(outside), at the face of its rim only (rim), or at the sector of its outside between two "
-        "polar angles in deg (sector:0,30 is a seat at the pole, sector:60,90 a flange)",
+        "polar angles in deg, for example sector:0,30 (a seat at the pole) or sector:60,90",
         parse=read_socket_support,
         kind=SocketSupport,
     )

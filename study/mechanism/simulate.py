@@ -63,8 +63,8 @@ computing for rigid links. A crank far too short or light for its drive does not
         whole=True,
     ),
     tolerance=Parameter(
-        "Rigid links with clearance: maximum local error of eccentricities and speeds, relative "
-        "to the clearance, the penetration depth of the impact and the speed that the drive gives",
+        "Maximum local error of eccentricities and speeds, relative to the clearance, the depth of "
+        "the impact and the speed that the drive gives, for rigid links with clearance",
         limits={"least": LEAST_TOLERANCE, "most": 0.01},
         otherwise=f"{TOLERANCE:g}",
     ),

@@ -52,6 +52,17 @@ def test_every_option_is_explained(output, words):
         assert re.search(r"\w{3}.*\.$", option.help), option.name
 
 
+@pytest.mark.parametrize("name", ["joint", "laws", "fit", "export", "simulate", "models"])
+def test_help_has_the_usual_options_and_help_all_has_every_option(output, name):
+    brief, whole = output(name, "--help"), output(name, "--help-all")
+    every = {option for of in main.get_command(None, name).params for option in of.opts}
+    options = {of for of in every if of.startswith("--")}
+    assert len(brief.splitlines()) <= 45
+    assert "--help-all" in brief
+    assert options <= {*re.findall(r"^  (--[\w-]+)", whole, re.M)}
+    assert len(re.findall(r"^  --", brief, re.M)) < len(options)
+
+
 def test_joint_is_the_elastic_solution(table, output):
     solution = BRONZE.solve(force=3e3)
     assert table("joint", *SIZED, "--force", "3kN").depth[0] == pytest.approx(solution.depth[0])
