@@ -134,8 +134,8 @@ class JointDescription:
         "for example core:0.2, which has 0.2 times the radius of the ball, or by a rigid neck on "
         "its surface, for example neck:30, within 30 deg of the top. A ball with a bore along its "
         "axis is held by a rigid pin over the whole bore; bore:0.5,45 is a bore of 0.5 times the "
-        "radius of the ball between flat faces whose edges are at a polar angle of 45 deg. For a joint with "
-        "dimensions, pin:6mm,16mm gives the radius of the pin and the width of the ball "
+        "radius of the ball between flat faces whose edges are at a polar angle of 45 deg. For a "
+        "joint with dimensions, pin:6mm,16mm gives the radius of the pin and the width of the ball "
         "instead",
         parse=read_ball_support,
         kind=BallSupport,
