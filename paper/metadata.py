@@ -22,6 +22,7 @@ FILES = {
     "REPRODUCING.md": "how to rebuild every result",
     "Snakefile": "the workflow: rules for notebooks, article, report and dataset",
     "requirements.lock": "every package that is needed, pinned by version and hash",
+    "figures/README.md": "every figure with its conclusion, and every table",
     "data/datapackage.json": "Frictionless data package: columns and units of the data",
     "paper/paper.typ": "the article; Typst reads its numbers from the results",
     "paper/supplement.typ": "its supplement",

@@ -21,7 +21,7 @@ from study import paths
 
 pytestmark = pytest.mark.slow
 
-RESULTS = ["curve.csv", "curve.png", "law.csv", "numbers.csv", "total.csv"]
+RESULTS = ["README.md", "curve.csv", "curve.png", "law.csv", "numbers.csv", "total.csv"]
 SLOW = "import time, pathlib; pathlib.Path(BEGUN).touch(); time.sleep(60)\n"
 LAWS = "study/contact/laws.py"
 LINK = re.compile(r'(?:href|src)="([^"#]+)(?:#[^"]*)?"')
@@ -34,12 +34,14 @@ def finished_project(tmp_path_factory):
     done = study(root, "run")
     assert done.returncode == 1
     assert done.stderr.count(".csv, which was not accepted before; accept it with: study run ") == 4
-    assert done.stdout.splitlines()[-1] == "4 results: 0 identical, 0 agree, 4 differ"
+    assert "differs: build/results/README.md;" in done.stderr
+    assert done.stdout.splitlines()[-1] == "5 results: 0 identical, 0 agree, 5 differ"
     assert ran(done) == sorted(["article", "report", *NAMES])
     assert sorted(path.name for path in (root / "build/results").iterdir()) == RESULTS
     assert list((root / "figures").iterdir()) == []
     done = study(root, "run", *NAMES, "--accept")
-    assert (done.returncode, done.stdout.count("accepted: figures/")) == (0, len(RESULTS))
+    assert (done.returncode, done.stdout.count("accepted: figures/")) == (0, len(RESULTS) - 1)
+    assert "\n## 02-law\n" in (root / "figures/README.md").read_text()
     assert (root / "figures/total.csv").read_text() == "total\n6\n"
     return root
 
@@ -73,7 +75,13 @@ def append(path, text="\nCHANGED = True\n"):
 def test_the_pages_of_the_report_have_their_links_and_no_path_of_this_machine(project):
     report = project / "build/report"
     pages = {page.relative_to(report).as_posix(): page for page in report.rglob("*.html")}
-    assert {"index.html", "results.html", "README.html", "data/README.html", "search.html"} <= {
+    assert {
+        "index.html",
+        "figures/README.html",
+        "README.html",
+        "data/README.html",
+        "search.html",
+    } <= {
         *pages,
         *(f"notebooks/{name}.html" for name in NAMES),
     }
@@ -85,8 +93,8 @@ def test_the_pages_of_the_report_have_their_links_and_no_path_of_this_machine(pr
         for link in {*LINK.findall(text)}:
             if not re.match(r"https?:|mailto:|data:", link):
                 assert (page.parent / unquote(link).partition("?")[0]).exists(), (name, link)
-    gallery = pages["results.html"].read_text()
-    for shown in ("force over depth", "The force grows faster", "force = 5 at case = b", "3 rows"):
+    gallery = pages["figures/README.html"].read_text()
+    for shown in ("force over depth", "The force grows faster", "force = 5 at case = b"):
         assert shown in gallery
     assert "notebooks/02-law.html" in pages["README.html"].read_text()
     assert "_images/curve.png" in gallery
@@ -108,7 +116,7 @@ def test_damaged_files_are_made_again_and_never_accepted(project):
     assert (build / "results/curve.png").read_bytes() == good
     done = study(project, "run")
     assert ran(done) == sorted([TOTAL, "article", "report"])
-    assert last(done) == (0, "4 results: 4 identical, 0 agree, 0 differ")
+    assert last(done) == (0, "5 results: 5 identical, 0 agree, 0 differ")
     assert (build / "paper.pdf").read_bytes().startswith(b"%PDF")
     assert (build / "supplement.pdf").read_bytes().startswith(b"%PDF")
     assert "</html>" in (build / "report/index.html").read_text()
