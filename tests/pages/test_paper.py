@@ -111,7 +111,7 @@ def test_the_article_names_sections_that_the_supplement_has():
     ],
 )
 def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
-    for name in ("figures", "data", "study"):
+    for name in ("figures", "data", "study", "pyproject.toml"):
         (tmp_path / name).symlink_to(paths.ROOT / name)
     shutil.copytree(paths.PAPER, tmp_path / "paper")
     source = tmp_path / "paper/paper.typ"
