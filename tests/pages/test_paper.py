@@ -102,6 +102,18 @@ def test_the_article_names_sections_that_the_supplement_has():
     assert parts == re.findall(r'^  (\w+): "', look, re.MULTILINE)  # in the order of their numbers
 
 
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of the article, which a test may change."""
+    for name in ("figures", "data", "study"):
+        (tmp_path / name).symlink_to(paths.ROOT / name)
+    shutil.copy(paths.ROOT / "pyproject.toml", tmp_path)
+    shutil.copytree(paths.PAPER, tmp_path / "paper")
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
+    return tmp_path
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -110,18 +122,30 @@ def test_the_article_names_sections_that_the_supplement_has():
         ("= Introduction <introduction>", "= Introduction #foo("),
     ],
 )
-def test_what_is_missing_stops_the_paper(tmp_path, monkeypatch, old, new):
-    for name in ("figures", "data", "study"):
-        (tmp_path / name).symlink_to(paths.ROOT / name)
-    shutil.copytree(paths.PAPER, tmp_path / "paper")
-    source = tmp_path / "paper/paper.typ"
+def test_what_is_missing_stops_the_paper(copy, old, new):
     assert old in TEXT
-    source.write_text(TEXT.replace(old, new), encoding="utf-8")
-    monkeypatch.setattr(paths, "ROOT", tmp_path)
-    monkeypatch.setattr(paths, "FIGURES", tmp_path / "figures")
+    (copy / "paper/paper.typ").write_text(TEXT.replace(old, new), encoding="utf-8")
     with pytest.raises(StudyError, match=r"(paper|look|results|numbers)\.typ:\d+:"):
-        typeset.typeset(source, tmp_path / "paper.pdf")
-    assert not (tmp_path / "paper.pdf").exists()
+        typeset.typeset(copy / "paper/paper.typ", copy / "paper.pdf")
+    assert not (copy / "paper.pdf").exists()
+
+
+@pytest.mark.parametrize("source", [SOURCE, SUPPLEMENT], ids=lambda path: path.stem)
+def test_authors_and_version_are_those_of_the_project(copy, source):
+    def made(**changed):
+        """The document if something else is in the project's file."""
+        text = (paths.PAPER.parent / "pyproject.toml").read_text(encoding="utf-8")
+        for name, value in changed.items():
+            text, replaced = re.subn(f"(?m)^{name} = .+$", f"{name} = {value}", text)
+            assert replaced == 1
+        (copy / "pyproject.toml").write_text(text, encoding="utf-8")
+        typeset.typeset(copy / "paper" / source.name, copy / "made.pdf")
+        return (copy / "made.pdf").read_bytes()
+
+    stored = made()
+    assert made(version='"9.8.7"') != stored
+    assert b"Ada Example" in made(authors='[{ name = "Ada Example" }]')
+    assert b"Ada Example" not in stored
 
 
 def test_the_index_of_equations_names_code_that_exists():

@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import distribution, packages_distributions
+from importlib.metadata import PathDistribution, distribution, packages_distributions
 
 import pytest
 from helpers.project import share_compiled
@@ -73,10 +73,13 @@ def several(installed, commands, blocked):
     return results
 
 
+def project():
+    return tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
 def not_in_the_base():
     """Names of all installed packages that a base install does not bring."""
-    project = tomllib.loads((paths.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    base, texts = set(), list(project["dependencies"])
+    base, texts = set(), list(project()["dependencies"])
     while texts:
         needed = Requirement(texts.pop())
         name = canonical(needed.name)
@@ -120,6 +123,14 @@ def test_a_base_install_has_what_joints_laws_mechanisms_and_exports_need(install
         assert status == 0, (words, err)
         assert out or (installed / "empty/table.csv").is_file()
     assert not (installed / "site/build").exists()
+
+
+def test_the_version_is_that_of_the_project(installed):
+    version = project()["version"]
+    (about,) = installed.glob("site/*.dist-info")
+    assert PathDistribution(about).version == version
+    ((status, out, _),) = several(installed, [["--version"]], [])
+    assert (status, out) == (0, f"study, version {version}\n")
 
 
 def test_a_command_that_needs_more_than_a_base_install_says_so(installed):
