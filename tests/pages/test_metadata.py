@@ -31,6 +31,11 @@ def test_what_is_expected_is_one_number_of_the_accepted_result(name):
     assert re.fullmatch(r"\S+ = \S+ at .+", RESULTS[name].expected())
 
 
+def test_tolerances_are_of_results_and_data_that_exist():
+    tables = {path.stem for path in paths.DATA.rglob("*.csv")}
+    assert {*compare.DIGITS, *compare.CHAOTIC} <= tables | RESULTS.keys()
+
+
 def test_the_page_of_figures_is_made_from_the_catalogue_and_shows_every_figure():
     text = (paths.FIGURES / "README.md").read_text(encoding="utf-8")
     assert text == report.gallery()
