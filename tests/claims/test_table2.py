@@ -96,9 +96,6 @@ def test_the_papers_table_alone():
     assert total.high["Table 2"] - total.low["Table 2"] < 0.09
     apart = found.loc["difference between the two amplitudes of a law (percent)"]
     assert apart.high["sphere"] < -0.4 < -0.015 < apart.low[["winkler", "disc"]].min()
-    rest = found.loc["squared norm of the remaining component"]
-    assert rest.high["sphere"] < -300 < rest.low["disc"] < 0 < rest.high["disc"] < 15
-    assert found.loc["maximum difference from the forces of the reference joint"].high["disc"] < 0.7
     needed = found.value["needed error of a printed number (half units of its last digit)"]
     assert needed["21 depths, disc"] < 1
     assert needed.drop("21 depths, disc").min() > 50
