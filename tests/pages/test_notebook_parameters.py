@@ -29,7 +29,6 @@ def execute(tmp_path, monkeypatch):
     ("number", "given"),
     [
         ("00", {"depths": [0.5]}),
-        ("05", {"radii": [300], "levels": []}),
         ("12", {"resolutions": [32, 64], "ratios": [2], "poissons": [0]}),
         ("21", {"parts": ["Table 2"]}),
         ("30", {"mine": str(paths.ROOT / "examples/benchmark_entry.csv")}),
