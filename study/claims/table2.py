@@ -137,12 +137,10 @@ def scan(
     return pd.DataFrame(rows)
 
 
-def deviations(
-    published: Any, sums: Mapping[str, Any], reading: Reading = USUAL, shifts: Any = 0.0
-) -> dict[str, Any]:
+def deviations(published: Any, sums: Mapping[str, Any], reading: Reading = USUAL) -> dict[str, Any]:
     """Deviations ln(computed/published) of `NUMBERS`, from `SUMS` that are numbers or arrays.
 
-    The amplitudes of the fitted laws are those of least squares times 1 + ``shifts``, and
+    The amplitudes c of the fitted laws are those of least squares, and
 
         sum e^2 = sum y^2 - 2 c sum y f + c^2 sum f^2.
     """
@@ -150,7 +148,7 @@ def deviations(
     products = [sums[name] for name in (*ROWS[:3], AREA_COEFFICIENTS[reading.area])]
     for law, f, of_law in zip(ROWS, laws_at(*reading[:2]), products, strict=True):
         about_mean = sums["force^2"] - sums["force"] ** 2 / len(f)
-        c = 1.0 if law in ROWS[:2] else (1 + shifts) * of_law / (f @ f)
+        c = 1.0 if law in ROWS[:2] else of_law / (f @ f)
         missing = reading.factor * (sums["force"] - c * f.sum()) ** 2 / about_mean
         squares = sums["force^2"] - 2 * c * of_law + c**2 * (f @ f)
         found[f"1 - kappa_as_printed {law}"] = np.log(missing / (1 - kappa[law]))

@@ -16,7 +16,7 @@ CHAOTIC = (
     *("flexible_convergence", "stability_map", "lagged_windows"),
     *("numbers_08", "numbers_09"),
     *("visited", "ladder", "ladder_durations"),
-    *("energy_test", "beam_steps"),
+    *("energy_test", "beam_steps", "answer_failure"),
 )
 """Results of simulated impacts, each of which increases the rounding error of the one before."""
 CHAOTIC_TOLERANCE = 1e-3
@@ -28,10 +28,12 @@ DIGITS = {
     "stability_impacts": {"y": 3},
     "stability_contact": {"y": 3},
     "energy_test": dict.fromkeys((*RESIDUALS, "force_error", "halved_step"), 3),
+    "answer_failure": {"contact_energy_error": 3, "error_percent": 3},
     "beam_steps": dict.fromkeys((*RESIDUALS, "force_1_N", "force_2_N", "force_3_N"), 3),
     "freed": {"ratio": 5, "factor": 4},
     "ladder_mechanisms": dict.fromkeys(("to_next", "to_second", "to_judge", "finest_to_judge"), 2),
     "ladder_durations": {"position_percent": 2, "largest_um": 2},
+    "answer_model": {"position_percent": 2},
     "ratio_line": {"ratio": 5},
     "force_curves": {"error_estimate": 3, "contact_half_angle_deg": 5},
     "axial_curves": {"error_estimate": 3, "contact_half_angle_deg": 7},
