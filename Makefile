@@ -101,7 +101,7 @@ $(READY): requirements.lock pyproject.toml $(ELSEWHERE)
 		exit 1; }
 	@"$(PYTHON)" -c "import ensurepip, venv" 2>/dev/null || { \
 		echo "Missing: Python's venv module (on Debian and Ubuntu: python3-venv)" >&2; exit 1; }
-	@echo "Setting up (one to five minutes, most of it downloads)"
+	@echo "Setting up (one to three minutes, most of it downloads)"
 	@echo "1 of 4: creating $(VENV)"
 	@"$(PYTHON)" -m venv --clear $(VENV)
 	@echo "2 of 4: installing $$(grep -c == requirements.lock) packages of requirements.lock"

@@ -128,6 +128,10 @@ def arguments(values: Mapping[str, Any]) -> dict[str, Any]:
     """
     made = dict(values)
     if "bearing" in made:
+        if "clearance" in made:  # which could be the radial clearance of the catalogue
+            raise ValueError(
+                "clearance must not be given with bearing; give play, which is twice as large"
+            )
         steel, row = material("bearing steel"), dimensions(made.pop("bearing"))
         row = {name: of for name, of in row.items() if INSTEAD_OF[name] not in made}
         made = {"ball": steel, "socket": steel} | row | made
@@ -136,7 +140,8 @@ def arguments(values: Mapping[str, Any]) -> dict[str, Any]:
         if (other := INSTEAD_OF[name]) in made:
             raise ValueError(f"{name} and {other} must not both be given; remove one of them")
     if "play" in given:
-        made["clearance"] = given["play"] / 2
+        limit = {"below": given["ball_diameter"]} if "ball_diameter" in given else {}
+        made["clearance"] = checks.number("play", given["play"], "m", **limit) / 2
     if "ball_diameter" in given and "clearance" in made:
         made["socket_radius"] = given["ball_diameter"] / 2 + made["clearance"]
     if ("bore" in given) != ("inner_width" in given):

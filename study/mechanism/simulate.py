@@ -50,7 +50,7 @@ computing for rigid links. A crank far too short or light for its drive does not
     ),
     law=Parameter(
         "Contact law: its name, or tabulated for a table of the joint's elastic solution. In "
-        "Python it may also be a law such as ``Steuermann(n=2)``, a table of the values of a "
+        "Python it may also be a law such as Steuermann(n=2), a table of the values of a "
         "function (`study.contact.Table.of_values`), a law in SI units, or a `study.joint.Joint`; "
         "the last two must have the dimensions of the scene's joint, and its materials unless the "
         "scene has the default ones",

@@ -33,10 +33,22 @@ def test_names_of_a_bearing_and_the_play_of_its_class(name, play):
 
 def test_a_given_value_replaces_that_of_the_bearing():
     bearing = Joint.of(bearing="GE 20 E")
-    assert Joint.of(bearing="GE 20 E", clearance="20um").clearance == 20e-6
+    assert Joint.of(bearing="GE 20 E", play="40um").clearance == pytest.approx(20e-6)
     assert Joint.of(bearing="GE 20 E", ball_support="core:0.5").ball_support.radius == 0.5
     assert Joint.of(bearing="GE 20 E", wall="5mm").wall == 5e-3
     assert Joint.of(bearing="GE 20 E", socket="bronze").ball == bearing.ball
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"clearance": "61um"}, "clearance must not be given with bearing; give play"),
+        ({"play": "61"}, r"play must be < 0\.029 m, got 61 m"),
+    ],
+)
+def test_a_radial_clearance_and_a_missing_unit_are_errors(values, message):
+    with pytest.raises(ValueError, match=message):
+        Joint.of(bearing="GE 20 E", **values)
 
 
 def test_the_table_is_one_of_rings_around_balls():
