@@ -19,6 +19,8 @@ from study.pages import catalogue
 
 README = (paths.ROOT / "README.md").read_text(encoding="utf-8")
 EXAMPLES = (paths.ROOT / "examples/README.md").read_text(encoding="utf-8")
+FRONT_PAGE = (paths.ROOT / "study/pages/report/index.md").read_text(encoding="utf-8")
+of_both = pytest.mark.parametrize("text", [README, FRONT_PAGE], ids=["README", "front page"])
 
 
 def kept(name, *index):
@@ -75,9 +77,11 @@ def test_the_closed_form_gives_the_depth():
     assert percent - 0.1 < errors["force"] <= percent
 
 
-def test_what_accuracy_costs():
+@of_both
+def test_what_accuracy_costs(text):
     most, hertz, *costs = claimed(
-        r"errors of at most (\S+) %, where Hertz's law has (\d+) %, and take (\S+) and (\S+) times"
+        r"errors of at most (\S+) %, where Hertz's law has (\d+) %, and take (\S+) and (\S+) times",
+        text,
     )
     rows = kept("speed_accuracy").query("panel == 'a'").set_index("method")
     assert 100 * rows.error["hertz"] == pytest.approx(hertz, abs=0.5)
@@ -86,18 +90,23 @@ def test_what_accuracy_costs():
     assert rows.relative[laws].round(1).tolist() == costs
 
 
-def test_what_the_energy_balance_detects():
-    stated = claimed(r"in (\d+) test runs .*? (\d+) of (\d+) forces .*? with (\d+) false alarms")
+@of_both
+def test_what_the_energy_balance_detects(text):
+    stated = claimed(
+        r"in (\d+) test runs .*? (\d+) of (\d+) forces .*? with (\d+) false alarms", text
+    )
     counts = kept("energy_test_counts").groupby("set").sum(numeric_only=True)
     columns = ["runs", "detected_by_energy", "wrong", "false_alarms_by_energy"]
     assert counts.loc["test", columns].tolist() == stated
     assert counts.detected_by_energy["sensitive"] == 0 < counts.wrong["sensitive"]
 
 
-def test_how_long_an_ideal_joint_is_enough():
+@of_both
+def test_how_long_an_ideal_joint_is_enough(text):
     ideal, first, rubbing, second = claimed(
         r"within (\S+) % \(RMS\) for (\S+) s, and an ideal joint with friction within (\S+) % for "
-        r"(\S+) s"
+        r"(\S+) s",
+        text,
     )
     errors = kept("ladder_durations", "change", "duration_s").position_percent
     assert errors["ideal joint", first] == ideal
