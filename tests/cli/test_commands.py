@@ -21,6 +21,7 @@ from study.joint import Joint
 SIZED = ["--socket-radius", "12.5mm", "--clearance", "40um", "--wall", "6mm", "--socket", "bronze"]
 BRONZE = Joint(12.5e-3, 40e-6, 6e-3, socket="bronze")
 CURVE = str(paths.ROOT / "examples/fit_your_curve.csv")
+WITH_MANY_OPTIONS = ["joint", "laws", "fit", "export", "simulate", "models"]
 OF_DATA = [f"data {name}" for name in data.data_command.commands]
 
 
@@ -52,8 +53,8 @@ def test_every_option_is_explained(output, words):
         assert re.search(r"\w{3}.*\.$", option.help), option.name
 
 
-@pytest.mark.parametrize("name", ["joint", "laws", "fit", "export", "simulate", "models"])
-def test_help_has_the_usual_options_and_help_all_has_every_option(output, name):
+@pytest.mark.parametrize("name", WITH_MANY_OPTIONS)
+def test_help_has_the_common_options_and_help_all_has_every_option(output, name):
     brief, whole = output(name, "--help"), output(name, "--help-all")
     described = [of for of in main.get_command(None, name).params if isinstance(of, click.Option)]
     options = {name for of in described for name in of.opts if name.startswith("--")}
@@ -63,6 +64,13 @@ def test_help_has_the_usual_options_and_help_all_has_every_option(output, name):
     for option in described:
         assert "".join(option.help.split()) in "".join(whole.split())
     assert len(re.findall(r"^  --", brief, re.M)) < len(options)
+    assert output(name, "--help") == brief  # also after --help-all in the same process
+
+
+def test_the_common_options_exist():
+    commands = [main.get_command(None, name) for name in WITH_MANY_OPTIONS]
+    names = {option.name for command in commands for option in command.params} | {"help"}
+    assert [name for command in commands for name in command.common if name not in names] == []
 
 
 def test_joint_is_the_elastic_solution(table, output):

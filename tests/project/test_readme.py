@@ -56,6 +56,8 @@ def test_how_wrong_hertz_is():
 
 def test_which_law_is_right():
     most, joints = claimed(r"fitted terms: within (\S+) % on (\d+) joints to which it was not")
+    terms = pd.read_csv(paths.STUDY / "contact/stiffening.csv")
+    assert f"a formula with {len(terms):,} fitted terms" in README
     judged = kept("judged").query("group.str.startswith('validation')")
     assert most - 0.01 < judged.largest_percent.max() <= most  # rounded upwards
     assert judged.cases.sum() == joints
@@ -144,7 +146,17 @@ def printed_errors():
     """Options of the joints in the table, and the error of the elastic solution in percent."""
     rows = re.findall(r"^\|[^|]*\| `(--[^`]*)`[^|]*\|[^|]*\| ([\d.]+) %", README, re.MULTILINE)
     assert len(rows) == 4
+    (more,) = re.findall(r"([\d.]+) % for 30 kN", README)
+    rows.append(("--bearing GE20E --force 30kN", more))
     return [(shlex.split(options), float(percent)) for options, percent in rows]
+
+
+def test_the_power_law_of_the_first_joint():
+    """The joint in the first example of the command and of Python."""
+    start, end, percent = claimed(r"at depths from (\S+) to (\S+) clearances within (\S+) % in the")
+    bronze = joint.Joint(socket_radius=12.5e-3, clearance=40e-6, wall=6e-3, socket="bronze")
+    error = 100 * bronze.power_law((start * 40e-6, end * 40e-6)).error
+    assert percent - 0.1 < error <= percent
 
 
 def test_the_power_law_of_random_joints():
@@ -168,7 +180,9 @@ def test_large_displacements():
 @pytest.mark.parametrize(("options", "percent"), printed_errors())
 def test_the_force_errors_of_other_joints(run, options, percent):
     base, *_ = re.findall(r"^study (joint .*)$", README, re.MULTILINE)
-    words = ["joint", "--force", "3kN"] if "--bearing" in options else base.split()
+    words = base.split()
+    if "--bearing" in options:
+        words = ["joint"] if "--force" in options else ["joint", "--force", "3kN"]
     (row,) = json.loads(run(*words, *options, "--json")[1])
     assert checks.percent(row["force_error"]) == f"{percent:g} %"
 
