@@ -85,7 +85,8 @@ def stub_project(root):
     )
     index = root / "study/pages/report/index.md"  # without figures of other notebooks
     parts = re.split(r"(?m)^(?=## )", index.read_text(encoding="utf-8"))
-    index.write_text(parts[0] + parts[-1], encoding="utf-8")
+    own = re.sub(r"(?m)^- .*notebooks/(?!21-).*\n", "", parts[-1])
+    index.write_text(parts[0] + own, encoding="utf-8")
     for name in ("paper", "supplement"):
         (root / f"paper/{name}.typ").write_text(
             '#csv(sys.inputs.results + "/total.csv").at(1).at(0)'
