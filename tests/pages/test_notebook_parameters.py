@@ -44,7 +44,6 @@ def test_one_value_of_a_list_gives_results(execute, number, given):
     [
         ("00", {"depths": []}, "ValueError: depths must be a list of one value or more, got []"),
         ("06", {"radii": [20]}, "radii must be a list of 2 values or more, got [20]"),
-        ("12", {"resolutions": [64]}, "resolutions must be a list of 2 values or more, got [64]"),
         ("17", {"resolution": 100}, "ValueError: resolution must be a multiple of 32, got 100"),
         ("21", {"parts": ["nope"]}, "RangeError: parts must be one of force and depth, range of"),
         ("30", {"mine": "none.csv"}, "mine must be a CSV file that can be read, got none.csv"),

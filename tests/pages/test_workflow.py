@@ -34,7 +34,7 @@ def finished_project(tmp_path_factory):
     done = study(root, "run")
     assert done.returncode == 1
     assert done.stderr.count(".csv, which was not accepted before; accept it with: study run ") == 4
-    assert "differs: build/results/README.md;" in done.stderr
+    assert "differs: figures/README.md; the texts of the catalogue have changed" in done.stderr
     assert done.stdout.splitlines()[-1] == "5 results: 0 identical, 0 agree, 5 differ"
     assert ran(done) == sorted(["article", "report", *NAMES])
     assert sorted(path.name for path in (root / "build/results").iterdir()) == RESULTS
