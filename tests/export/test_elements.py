@@ -237,6 +237,8 @@ def test_the_page_about_other_programs_shows_what_is_written(run):
     assert out.splitlines()[-1] == shown
     (error,) = re.findall(r"maximum relative error is ([\d.]+) %", page)
     assert float(error) == pytest.approx(100 * stated_error(out))
-    (error,) = re.findall(r"for the joint above ([\d.]+) % from 0.001 clearances on", page)
+    (error,) = re.findall(
+        r"For the joint above, the error is at most ([\d.]+) % at depths of at least 0\.001", page
+    )
     assert float(error) == pytest.approx(100 * stated_error(export("tabulated", "mujoco", BRONZE)))
     assert all(f"`{form}`" in page or f"`{form}`," in page for form in FORMATS)
